@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* fray: cloth that stretches and tears, in fixed point, one pure tick at a time.
+ *
+ * This is the whole public interface of the runtime. Nothing in it allocates, reads a clock,
+ * does I/O or keeps a global: a world lives in memory that the caller owns, and a tick maps
+ * (world, input) to (world, output). The same image and the same inputs give the same hash
+ * after every tick on every machine.
+ *
+ * Threads: one world belongs to one thread or interrupt level at a time; worlds are
+ * independent. Views are valid until the next tick.
+ *
+ * Units: lengths are in lu ("length units", params.lu_um micrometres each), Q24: the integer
+ * 1 << 24 is one lu. Velocities are Q28 lu per substep. Forces on the bus are 0.5 mN a step.
+ */
+#ifndef FRAY_H
+#define FRAY_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define FRAY_VERSION "0.1.0"
+#define FRAY_IMAGE_MAJOR 1u
+#define FRAY_IMAGE_MINOR 0u
+
+enum { FRAY_HANDS = 2 };
+
+typedef struct fray_world fray_world;
+
+typedef enum {
+  FRAY_OK = 0,
+  FRAY_BAD_ARGUMENT, /* a null pointer, or memory not aligned to FRAY_ALIGN */
+  FRAY_TRUNCATED,    /* fewer bytes than the header, or than the header's length field */
+  FRAY_BAD_MAGIC,
+  FRAY_BAD_VERSION,  /* another major version, or features this build does not have */
+  FRAY_BAD_CRC,
+  FRAY_BAD_SECTION,  /* a section missing, doubled, of the wrong size, or out of bounds */
+  FRAY_BAD_FIELD,    /* a value outside its range */
+  FRAY_BAD_BATCH,    /* two rows of one batch share a particle, or the batches have gaps */
+  FRAY_SMALL_MEMORY  /* the caller's memory is smaller than fray_bytes() says */
+} fray_status;
+
+/* Where an image was refused. `what` is a constant string: what was expected there. */
+typedef struct {
+  fray_status status;
+  uint32_t section; /* section id, 0 for the header */
+  uint32_t index;   /* element in the section */
+  const char *what;
+} fray_error;
+
+enum { FRAY_ALIGN = 16 };
+
+/* Bytes of memory that fray_open() needs for this image.
+ * Errors: as fray_open(), from the header alone. Cost: constant. */
+fray_status fray_bytes(const void *image, size_t image_bytes, size_t *bytes, fray_error *error);
+
+/* Validates an image and builds its world in the caller's memory.
+ * `image` must outlive the world: its constants are used in place where byte order, index width
+ * and alignment allow. `memory` is aligned to FRAY_ALIGN.
+ * On any status but FRAY_OK, *world is NULL and *error says where (error may be NULL).
+ * Cost: linear in the image's length; never more, whatever the image holds. */
+fray_status fray_open(const void *image, size_t image_bytes, void *memory, size_t memory_bytes,
+                      fray_world **world, fray_error *error);
+
+/* What the world was told for one tick: at most one pose a hand and one command.
+ * Poses are 2 um a step from the device's origin; `counter` is the frame's 4-bit counter. */
+typedef struct {
+  int16_t x, y, z;
+  uint8_t counter; /* 0..15 */
+  uint8_t buttons; /* 0..15 */
+} fray_pose;
+
+typedef enum {
+  FRAY_VERB_NONE = 0,
+  FRAY_VERB_START, /* READY -> OPERATIONAL as soon as every hand has sent enough good poses */
+  FRAY_VERB_STOP,  /* OPERATIONAL -> READY; forces fade out */
+  FRAY_VERB_RESET, /* SAFE -> READY; clears the sticky faults */
+  FRAY_VERB_ZERO   /* OPERATIONAL: forces fade to zero and stay there until the next START */
+} fray_verb;
+
+typedef struct {
+  uint8_t has_pose; /* bit h: pose[h] arrived for this tick */
+  fray_pose pose[FRAY_HANDS];
+  uint8_t verb; /* fray_verb */
+  uint8_t verb_counter;
+} fray_input;
+
+typedef enum { FRAY_READY = 1, FRAY_OPERATIONAL = 2, FRAY_SAFE = 3 } fray_state;
+
+/* Sticky fault bits; cleared by FRAY_VERB_RESET. */
+enum {
+  FRAY_FAULT_STALE_LEFT = 1u << 0,
+  FRAY_FAULT_STALE_RIGHT = 1u << 1,
+  FRAY_FAULT_CONTACTS_FULL = 1u << 2, /* raise `limits contacts` */
+  FRAY_FAULT_CUTS_WAIT = 1u << 3,     /* more springs over their threshold than `cuts_per_tick` */
+  FRAY_FAULT_LEFT_WORLD = 1u << 4     /* something was held back at the edge of the world */
+};
+
+typedef enum {
+  FRAY_RESULT_OK = 0,
+  FRAY_RESULT_REFUSED = 1, /* the verb does not apply in this state */
+  FRAY_RESULT_UNKNOWN = 2  /* no such verb */
+} fray_result;
+
+/* Counted work of one tick. */
+typedef struct {
+  uint32_t predictions; /* particles x substeps */
+  uint32_t projections; /* structural rows x sweeps x substeps */
+  uint32_t springs;     /* bend and shear rows */
+  uint32_t contacts;    /* candidate contacts x substeps */
+  uint32_t tear_tests;  /* structural rows */
+  uint32_t cuts;        /* structural springs cut */
+} fray_work;
+
+typedef struct {
+  uint32_t tick;                /* the tick that was just computed, from 0 */
+  uint64_t hash;                /* of the state after it */
+  int16_t force[FRAY_HANDS][3]; /* 0.5 mN a step, after ramp, rate limit and clamp */
+  int32_t raw[FRAY_HANDS][3];   /* 0.5 mN a step, before them */
+  uint8_t consumed[FRAY_HANDS]; /* counter of the last pose consumed; 0 before the first */
+  uint8_t state;                /* fray_state */
+  uint8_t acked;                /* the verb that was answered in this tick, or 0 */
+  uint8_t ack_counter;
+  uint8_t result; /* fray_result of the acked verb */
+  uint16_t faults;
+  uint32_t cuts_waiting; /* springs over their threshold that the cap left for the next tick */
+  uint32_t cut_first;    /* structural spring (canonical id) cut first in this tick; see cuts */
+  uint32_t cuts_total;
+  fray_work work;
+} fray_output;
+
+/* Advances the world by one tick. Never fails: what does not fit a pool is left out in a
+ * defined order and reported in output->faults.
+ * Cost: bounded by the image (see fray_limits); independent of the clock. */
+void fray_tick(fray_world *world, const fray_input *input, fray_output *output);
+
+/* The hash that the last tick reported (at open: the hash of the state in the image). */
+uint64_t fray_hash(const fray_world *world);
+
+/* Saves the world as an image: bytes needed, and the save itself.
+ * Returns the bytes written, or 0 iff the buffer is smaller than fray_save_bytes(). */
+size_t fray_save_bytes(const fray_world *world);
+size_t fray_save(const fray_world *world, void *buffer, size_t buffer_bytes);
+
+/* The most work that one tick of this world can count. */
+fray_work fray_limits(const fray_world *world);
+
+/* ---- read-only views, valid until the next tick ---- */
+
+typedef struct {
+  uint32_t count;          /* particles in use */
+  uint32_t held;           /* of these, the first `held` are carried by bodies */
+  const int32_t *x, *y, *z;    /* Q24 lu */
+  const int32_t *vx, *vy, *vz; /* Q28 lu per substep */
+} fray_particles;
+
+/* Rows of one family. A dead row keeps its ends. Ends by fray_row(). */
+typedef enum { FRAY_STRUCTURAL = 0, FRAY_BEND = 1, FRAY_SHEAR = 2 } fray_family;
+typedef struct {
+  uint32_t i, j;     /* particles */
+  int32_t rest;      /* Q24 lu */
+  uint32_t home;     /* canonical id in the weave, see fray_sheet */
+  uint8_t alive;
+  uint8_t held;      /* one end is carried by a body */
+  int32_t threshold; /* Q16 strain at which it is cut; structural rows only */
+} fray_row;
+
+/* The woven sheet. Crossing (warp i, weft j) is number j * warps + i. Structural springs are
+ * numbered: along wefts first, (i,j)-(i+1,j) is j * (warps - 1) + i; then along warps,
+ * (i,j)-(i,j+1) is wefts * (warps - 1) + j * warps + i. */
+typedef struct {
+  uint32_t warps, wefts;
+  uint32_t weave_columns, weave_rows; /* the repeat of the weave, 1..8 each */
+  uint64_t weave; /* bit (j % rows) * 8 + (i % columns): the warp is over the weft */
+} fray_sheet;
+
+typedef enum { FRAY_ANCHOR = 0, FRAY_BALL = 1, FRAY_BOX = 2, FRAY_BAR = 3, FRAY_PLANE = 4 } fray_shape;
+typedef enum { FRAY_FIXED = 0, FRAY_PATH = 1, FRAY_HAND = 2, FRAY_FREE = 3 } fray_motion;
+typedef struct {
+  fray_shape shape;
+  fray_motion motion;
+  uint32_t hand;            /* for FRAY_HAND: 0 left, 1 right */
+  int32_t radius;           /* Q24 lu: ball, bar (capsule) */
+  int32_t half[3];          /* Q24 lu: box half sizes; bar: half[0] is its half length */
+  int32_t axes[9];          /* Q30, rows are the body's axes; plane: row 1 is its normal */
+  int32_t position[3];      /* Q24 lu */
+  int32_t velocity[3];      /* Q28 lu per substep */
+  int64_t impulse[3];       /* what the cloth gained from it in the last tick: Q28 lu per substep,
+                               in particle masses */
+} fray_body;
+
+typedef struct {
+  uint32_t rate_hz, substeps, sweeps, lu_um;
+  uint32_t particle_mass_ng;
+  int32_t thickness;               /* Q24 lu */
+  int32_t tear_min_q16, tear_max_q16;
+  uint32_t tearing;                /* 0: springs are never cut */
+  uint32_t tick;                   /* ticks computed so far */
+  uint32_t rows[3];                /* by family */
+  uint32_t batches[3];
+  uint32_t bodies;
+  uint32_t particles_max, contacts_max, cuts_max;
+  int32_t gravity[3];              /* Q28 lu per substep, per substep: whole part (floor) */
+  uint32_t gravity_rest[3];        /* 2^-32 of that unit */
+  uint32_t hands;                  /* bit h: a body follows hand h */
+  uint8_t consumed[FRAY_HANDS];    /* counter of the last pose consumed; 0 before the first */
+} fray_facts;
+
+fray_facts fray_describe(const fray_world *world);
+fray_particles fray_view_particles(const fray_world *world);
+fray_sheet fray_view_sheet(const fray_world *world);
+fray_row fray_view_row(const fray_world *world, fray_family family, uint32_t row);
+fray_body fray_view_body(const fray_world *world, uint32_t body);
+uint32_t fray_particle_at(const fray_world *world, uint32_t crossing);
+/* The body that carries a held particle (particle < held). */
+uint32_t fray_holder(const fray_world *world, uint32_t particle);
+
+/* One pool of the memory plan: `index` from 0; returns 0 past the last. */
+typedef struct {
+  const char *name;
+  uint32_t count;
+  uint32_t element_bytes;
+  uint32_t in_place; /* used from the image, no memory taken */
+  uint32_t constant; /* never changes after the image was built */
+} fray_pool;
+int fray_view_pool(const fray_world *world, uint32_t index, fray_pool *pool);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

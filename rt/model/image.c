@@ -1,0 +1,319 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "rt/model/image.h"
+
+#include "rt/base/arena.h"
+#include "rt/base/bytes.h"
+
+#define AT(field) offsetof(struct fray_world, field)
+#define WORDS(id, role, pool, words, field) {#field, id, role, KIND_WORD, pool, words, AT(field)}
+#define BYTE(id, role, pool, field) {#field, id, role, KIND_BYTE, pool, 1, AT(field)}
+#define IDS(id, role, pool, field) {#field, id, role, KIND_ID, pool, 1, AT(field)}
+#define TICK(pool, type, field) {#field, 0, ROLE_TICK, KIND_STRUCT, pool, sizeof(type), AT(field)}
+
+const image_array image_arrays[] = {
+    WORDS(1, ROLE_CONSTANT, POOL_PARAMS, PARAM_WORDS, params),
+    WORDS(2, ROLE_STATE, POOL_STATE, STATE_WORDS, state),
+    WORDS(3, ROLE_CONSTANT, POOL_LINK_CLASSES, LINK_CLASS_WORDS, links),
+    WORDS(4, ROLE_CONSTANT, POOL_SPRING_CLASSES, SPRING_CLASS_WORDS, springs),
+    WORDS(5, ROLE_CONSTANT, POOL_BATCHES, BATCH_WORDS, batches),
+    IDS(6, ROLE_CONSTANT, POOL_CROSSINGS, crossing),
+    IDS(7, ROLE_CONSTANT, POOL_ROWS, home),
+    IDS(8, ROLE_CONSTANT, POOL_ROWS, row_of),
+    IDS(9, ROLE_STATE, POOL_ROWS, row_i),
+    IDS(10, ROLE_STATE, POOL_ROWS, row_j),
+    BYTE(11, ROLE_STATE, POOL_ROWS, row_class),
+    WORDS(12, ROLE_STATE, POOL_PARTICLES, 1, x),
+    WORDS(13, ROLE_STATE, POOL_PARTICLES, 1, y),
+    WORDS(14, ROLE_STATE, POOL_PARTICLES, 1, z),
+    WORDS(15, ROLE_STATE, POOL_PARTICLES, 1, vx),
+    WORDS(16, ROLE_STATE, POOL_PARTICLES, 1, vy),
+    WORDS(17, ROLE_STATE, POOL_PARTICLES, 1, vz),
+    BYTE(18, ROLE_STATE, POOL_PARTICLES, rx),
+    BYTE(19, ROLE_STATE, POOL_PARTICLES, ry),
+    BYTE(20, ROLE_STATE, POOL_PARTICLES, rz),
+    BYTE(21, ROLE_CONSTANT, POOL_HELD, grip_body),
+    WORDS(22, ROLE_CONSTANT, POOL_HELD, 1, grip_x),
+    WORDS(23, ROLE_CONSTANT, POOL_HELD, 1, grip_y),
+    WORDS(24, ROLE_CONSTANT, POOL_HELD, 1, grip_z),
+    WORDS(25, ROLE_CONSTANT, POOL_BODIES, BODY_WORDS, bodies),
+    WORDS(26, ROLE_STATE, POOL_BODIES, BODY_STATE_WORDS, body_states),
+    WORDS(27, ROLE_CONSTANT, POOL_KEYS, BODY_KEY_WORDS, keys),
+    TICK(POOL_PARTICLES, int32_t, qx),
+    TICK(POOL_PARTICLES, int32_t, qy),
+    TICK(POOL_PARTICLES, int32_t, qz),
+    TICK(POOL_BODIES, body_motion, motion),
+    TICK(POOL_CONTACTS, contact, contacts),
+    TICK(POOL_CUTS, cut, cuts),
+};
+const uint32_t image_array_count = sizeof image_arrays / sizeof image_arrays[0];
+
+static const uint32_t capacity_max[POOLS] = {
+    1,          1,             LIMIT_PARTICLES, LIMIT_PARTICLES, LIMIT_PARTICLES, LIMIT_ROWS,
+    LIMIT_BATCHES, LIMIT_CLASSES, LIMIT_CLASSES, LIMIT_BODIES,   LIMIT_KEYS,      LIMIT_CONTACTS,
+    LIMIT_CUTS};
+
+static fray_status refuse(fray_error *error, fray_status status, uint32_t section, uint32_t index,
+                          const char *what) {
+  if (error != NULL) {
+    error->status = status;
+    error->section = section;
+    error->index = index;
+    error->what = what;
+  }
+  return status;
+}
+
+static int short_ids(const uint32_t capacity[POOLS]) {
+  return capacity[POOL_ROWS] <= 65535u && capacity[POOL_PARTICLES] <= 65535u;
+}
+/* Bytes of one element in the image and in memory. */
+static uint32_t stored_bytes(const image_array *a, int ids_are_short) {
+  if (a->kind == KIND_BYTE) return 1;
+  if (a->kind == KIND_ID) return ids_are_short ? 2 : 4;
+  return 4;
+}
+static uint32_t memory_bytes_of(const image_array *a) {
+  if (a->kind == KIND_BYTE) return 1;
+  if (a->kind == KIND_ID) return sizeof(row_id);
+  return a->kind == KIND_STRUCT ? a->words : 4u;
+}
+static uint32_t elements(const image_array *a, const uint32_t capacity[POOLS]) {
+  return capacity[a->pool] * (a->kind == KIND_WORD ? a->words : 1u);
+}
+static int usable_in_place(const image_array *a, const uint32_t capacity[POOLS],
+                           const uint8_t *image) {
+  return image != NULL && a->role == ROLE_CONSTANT && bytes_host_is_little() &&
+         ((uintptr_t)image & 3u) == 0 &&
+         stored_bytes(a, short_ids(capacity)) == memory_bytes_of(a);
+}
+
+/* Carves every array that is not used in place; with a dry arena it only counts. */
+static void carve(fray_world *w, const uint32_t capacity[POOLS], const uint8_t *image, arena *a) {
+  for (uint32_t n = 0; n < image_array_count; ++n) {
+    const image_array *array = &image_arrays[n];
+    if (usable_in_place(array, capacity, image)) continue;
+    void *taken = arena_take(a, elements(array, capacity), memory_bytes_of(array));
+    if (w != NULL) *(void **)(void *)((uint8_t *)w + array->pointer) = taken;
+  }
+}
+
+static size_t plan_bytes(const uint32_t capacity[POOLS], const uint8_t *image) {
+  arena dry = {NULL, 0, 0};
+  (void)arena_take(&dry, 1, sizeof(fray_world));
+  carve(NULL, capacity, image, &dry);
+  return dry.used;
+}
+
+static fray_world *plan_carve(const uint32_t capacity[POOLS], const uint8_t *image, void *memory,
+                              size_t bytes) {
+  arena a = {(uint8_t *)memory, bytes, 0};
+  bytes_zero(memory, plan_bytes(capacity, image));
+  fray_world *w = (fray_world *)arena_take(&a, 1, sizeof(fray_world));
+  for (uint32_t p = 0; p < POOLS; ++p) w->capacity[p] = capacity[p];
+  carve(w, capacity, image, &a);
+  return w;
+}
+
+size_t image_blank(const uint32_t capacity[POOLS], void *memory, fray_world **world) {
+  const size_t bytes = plan_bytes(capacity, NULL);
+  if (memory != NULL) *world = plan_carve(capacity, NULL, memory, bytes);
+  return bytes;
+}
+
+/* The header alone: length, version, CRC word not yet compared, capacities. */
+static fray_status read_header(const uint8_t *image, size_t bytes, uint32_t capacity[POOLS],
+                               fray_error *error) {
+  if (image == NULL) return refuse(error, FRAY_BAD_ARGUMENT, 0, 0, "an image");
+  if (bytes < 4u * IMAGE_HEADER_WORDS)
+    return refuse(error, FRAY_TRUNCATED, 0, (uint32_t)bytes, "a header of 96 bytes");
+  const uint32_t version = bytes_load32(image + 4 * IMAGE_VERSION_WORD);
+  if (bytes_load32(image) != IMAGE_MAGIC)
+    return refuse(error, FRAY_BAD_MAGIC, 0, 0, "the bytes FRAY");
+  if (version >> 16 != FRAY_IMAGE_MAJOR || (version & 0xFFFFu) > FRAY_IMAGE_MINOR)
+    return refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD, "image version 1.0");
+  for (uint32_t p = 0; p < POOLS; ++p) {
+    capacity[p] = bytes_load32(image + 4u * (IMAGE_CAPACITY_WORD + p));
+    if (capacity[p] > capacity_max[p] || (p <= POOL_STATE && capacity[p] != 1u))
+      return refuse(error, FRAY_BAD_FIELD, 0, IMAGE_CAPACITY_WORD + p, "a capacity in its range");
+  }
+  for (uint32_t n = IMAGE_CAPACITY_WORD + POOLS; n < IMAGE_HEADER_WORDS; ++n)
+    if (bytes_load32(image + 4u * n) != 0)
+      return refuse(error, FRAY_BAD_FIELD, 0, n, "a reserved word of zero");
+  const uint32_t features = bytes_load32(image + 4 * IMAGE_FEATURES_WORD);
+  const uint32_t expected = short_ids(capacity) ? (uint32_t)IMAGE_SHORT_IDS : 0u;
+  if (features != expected || (sizeof(row_id) == 2u && expected == 0))
+    return refuse(error, FRAY_BAD_VERSION, 0, IMAGE_FEATURES_WORD,
+                  "features that this build has, short ids where they fit");
+  return FRAY_OK;
+}
+
+fray_status fray_bytes(const void *image, size_t image_bytes, size_t *bytes, fray_error *error) {
+  uint32_t capacity[POOLS];
+  if (bytes == NULL) return refuse(error, FRAY_BAD_ARGUMENT, 0, 0, "a place for the result");
+  const fray_status status = read_header((const uint8_t *)image, image_bytes, capacity, error);
+  if (status != FRAY_OK) return status;
+  *bytes = plan_bytes(capacity, (const uint8_t *)image);
+  return FRAY_OK;
+}
+
+static uint32_t align_up(uint32_t bytes) {
+  return (bytes + IMAGE_ALIGN - 1u) & ~(uint32_t)(IMAGE_ALIGN - 1u);
+}
+
+/* Where array n's section starts; sections follow one another in the order of the table. */
+static uint32_t section_offset(const uint32_t capacity[POOLS], uint32_t n) {
+  uint32_t sections = 0;
+  for (uint32_t k = 0; k < image_array_count; ++k) sections += image_arrays[k].id != 0;
+  uint32_t offset = align_up(4u * (IMAGE_HEADER_WORDS + IMAGE_DIRECTORY_WORDS * sections));
+  for (uint32_t k = 0; k < n; ++k)
+    if (image_arrays[k].id != 0)
+      offset = align_up(offset + elements(&image_arrays[k], capacity) *
+                                     stored_bytes(&image_arrays[k], short_ids(capacity)));
+  return offset;
+}
+static uint32_t image_length(const uint32_t capacity[POOLS]) {
+  return section_offset(capacity, image_array_count);
+}
+
+/* The layout follows from the capacities alone, so the directory is only compared. */
+static fray_status check_directory(const uint8_t *image, const uint32_t capacity[POOLS],
+                                   fray_error *error) {
+  uint32_t entry = 0;
+  for (uint32_t n = 0; n < image_array_count; ++n) {
+    const image_array *a = &image_arrays[n];
+    if (a->id == 0) continue;
+    const uint8_t *words = image + 4u * (IMAGE_HEADER_WORDS + IMAGE_DIRECTORY_WORDS * entry);
+    if (bytes_load32(words) != a->id ||
+        bytes_load32(words + 4) != stored_bytes(a, short_ids(capacity)) ||
+        bytes_load32(words + 8) != elements(a, capacity) ||
+        bytes_load32(words + 12) != section_offset(capacity, n))
+      return refuse(error, FRAY_BAD_SECTION, a->id, entry,
+                    "the directory entry that the capacities call for");
+    ++entry;
+  }
+  if (bytes_load32(image + 4 * IMAGE_SECTIONS_WORD) != entry)
+    return refuse(error, FRAY_BAD_SECTION, 0, IMAGE_SECTIONS_WORD, "every section once");
+  return FRAY_OK;
+}
+
+static uint32_t load_element(const uint8_t *from, uint32_t bytes) {
+  return bytes == 1 ? from[0] : (bytes == 2 ? bytes_load16(from) : bytes_load32(from));
+}
+static void load_array(const image_array *a, const uint8_t *from, uint32_t stored, void *to,
+                       uint32_t count) {
+  for (uint32_t n = 0; n < count; ++n) {
+    const uint32_t value = load_element(from + n * stored, stored);
+    if (a->kind == KIND_BYTE)
+      ((uint8_t *)to)[n] = (uint8_t)value;
+    else if (a->kind == KIND_ID)
+      ((row_id *)to)[n] = (row_id)value;
+    else
+      ((uint32_t *)to)[n] = value;
+  }
+}
+
+static void load_sections(fray_world *w, const uint8_t *image) {
+  for (uint32_t n = 0; n < image_array_count; ++n) {
+    const image_array *a = &image_arrays[n];
+    if (a->id == 0) continue;
+    const uint8_t *from = image + section_offset(w->capacity, n);
+    if (usable_in_place(a, w->capacity, image))
+      *(const void **)(void *)((uint8_t *)w + a->pointer) = from;
+    else
+      load_array(a, from, stored_bytes(a, short_ids(w->capacity)), image_pointer(w, a),
+                 elements(a, w->capacity));
+  }
+}
+
+fray_status fray_open(const void *image, size_t image_bytes, void *memory, size_t memory_bytes,
+                      fray_world **world, fray_error *error) {
+  uint32_t capacity[POOLS];
+  const uint8_t *bytes = (const uint8_t *)image;
+  if (world == NULL || memory == NULL || ((uintptr_t)memory & (FRAY_ALIGN - 1u)) != 0)
+    return refuse(error, FRAY_BAD_ARGUMENT, 0, 0, "memory aligned to FRAY_ALIGN");
+  *world = NULL;
+  fray_status status = read_header(bytes, image_bytes, capacity, error);
+  if (status != FRAY_OK) return status;
+  const uint32_t length = bytes_load32(bytes + 4 * IMAGE_BYTES_WORD);
+  if (length != image_length(capacity))
+    return refuse(error, FRAY_BAD_SECTION, 0, IMAGE_BYTES_WORD,
+                  "the length that the capacities call for");
+  if (image_bytes < length)
+    return refuse(error, FRAY_TRUNCATED, 0, (uint32_t)image_bytes, "as many bytes as its length");
+  if (bytes_crc32(bytes + IMAGE_CRC_FROM, length - IMAGE_CRC_FROM) !=
+      bytes_load32(bytes + 4 * IMAGE_CRC_WORD))
+    return refuse(error, FRAY_BAD_CRC, 0, IMAGE_CRC_WORD, "the CRC-32 of what follows");
+  status = check_directory(bytes, capacity, error);
+  if (status != FRAY_OK) return status;
+  if (memory_bytes < plan_bytes(capacity, bytes))
+    return refuse(error, FRAY_SMALL_MEMORY, 0, 0, "as many bytes of memory as fray_bytes() says");
+  fray_world *w = plan_carve(capacity, bytes, memory, memory_bytes);
+  load_sections(w, bytes);
+  status = image_validate(w, error);
+  if (status == FRAY_OK) *world = w;
+  return status;
+}
+
+size_t fray_save_bytes(const fray_world *world) { return image_length(world->capacity); }
+
+static void save_array(const image_array *a, const void *from, uint32_t stored, uint8_t *to,
+                       uint32_t count) {
+  for (uint32_t n = 0; n < count; ++n) {
+    uint8_t *place = to + n * stored;
+    if (a->kind == KIND_BYTE) {
+      *place = ((const uint8_t *)from)[n];
+    } else {
+      const uint32_t value = a->kind == KIND_ID ? (uint32_t)((const row_id *)from)[n]
+                                                : ((const uint32_t *)from)[n];
+      if (stored == 2)
+        bytes_store16(place, (uint16_t)value);
+      else
+        bytes_store32(place, value);
+    }
+  }
+}
+
+size_t fray_save(const fray_world *world, void *buffer, size_t buffer_bytes) {
+  const uint32_t length = image_length(world->capacity);
+  const int ids_are_short = short_ids(world->capacity);
+  uint8_t *image = (uint8_t *)buffer;
+  uint32_t entry = 0;
+  if (buffer == NULL || buffer_bytes < length) return 0;
+  bytes_zero(image, length);
+  for (uint32_t n = 0; n < image_array_count; ++n) {
+    const image_array *a = &image_arrays[n];
+    if (a->id == 0) continue;
+    const uint32_t stored = stored_bytes(a, ids_are_short);
+    const uint32_t count = elements(a, world->capacity);
+    const uint32_t offset = section_offset(world->capacity, n);
+    uint8_t *words = image + 4u * (IMAGE_HEADER_WORDS + IMAGE_DIRECTORY_WORDS * entry++);
+    bytes_store32(words, a->id);
+    bytes_store32(words + 4, stored);
+    bytes_store32(words + 8, count);
+    bytes_store32(words + 12, offset);
+    save_array(a, image_pointer(world, a), stored, image + offset, count);
+  }
+  bytes_store32(image, IMAGE_MAGIC);
+  bytes_store32(image + 4 * IMAGE_VERSION_WORD, FRAY_IMAGE_MAJOR << 16 | FRAY_IMAGE_MINOR);
+  bytes_store32(image + 4 * IMAGE_BYTES_WORD, length);
+  bytes_store32(image + 4 * IMAGE_FEATURES_WORD, ids_are_short ? (uint32_t)IMAGE_SHORT_IDS : 0u);
+  bytes_store32(image + 4 * IMAGE_SECTIONS_WORD, entry);
+  for (uint32_t p = 0; p < POOLS; ++p)
+    bytes_store32(image + 4u * (IMAGE_CAPACITY_WORD + p), world->capacity[p]);
+  bytes_store32(image + 4 * IMAGE_CRC_WORD,
+                bytes_crc32(image + IMAGE_CRC_FROM, length - IMAGE_CRC_FROM));
+  return length;
+}
+
+int fray_view_pool(const fray_world *world, uint32_t index, fray_pool *pool) {
+  if (index >= image_array_count) return 0;
+  const image_array *a = &image_arrays[index];
+  const uint8_t *place = (const uint8_t *)image_pointer(world, a);
+  const uint8_t *first = (const uint8_t *)world;
+  pool->name = a->name;
+  pool->count = world->capacity[a->pool];
+  pool->element_bytes = memory_bytes_of(a) * (a->kind == KIND_WORD ? a->words : 1u);
+  pool->constant = a->role == ROLE_CONSTANT;
+  pool->in_place = place < first || place >= first + plan_bytes(world->capacity, NULL);
+  return 1;
+}

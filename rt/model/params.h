@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The scalars of a world: constants (params) and state, every one a 32-bit word with its range.
+ * The loader checks the ranges; the stages rely on them. Order is the image's order: append only. */
+#ifndef FRAY_MODEL_PARAMS_H
+#define FRAY_MODEL_PARAMS_H
+
+#include <stdint.h>
+
+#include "rt/fray.h"
+
+enum {
+  LIMIT_PARTICLES = 1 << 20,
+  LIMIT_ROWS = 1 << 22,
+  LIMIT_BATCHES = 1 << 16,
+  LIMIT_BODIES = 16,
+  LIMIT_KEYS = 4096,
+  LIMIT_CONTACTS = 1 << 20,
+  LIMIT_CUTS = 64,
+  LIMIT_CLASSES = 255,
+  LIMIT_SUBSTEPS = 128,
+  LIMIT_SWEEPS = 128
+};
+
+#define WORD_MIN INT32_MIN
+#define WORD_MAX INT32_MAX
+
+/*    name              least       most */
+#define PARAMS(X) \
+  X(rate_hz,            1,          10000)     /* ticks a second */ \
+  X(substeps,           1,          LIMIT_SUBSTEPS) \
+  X(sweeps,             1,          LIMIT_SWEEPS) \
+  X(warps,              2,          4096) \
+  X(wefts,              2,          4096) \
+  X(lu_um,              1,          1000000) \
+  X(particle_mass_ng,   1,          WORD_MAX) \
+  X(held,               0,          LIMIT_PARTICLES) \
+  X(particles,          4,          LIMIT_PARTICLES) /* in use */ \
+  X(links,              1,          LIMIT_ROWS)      /* structural rows come first */ \
+  X(bends,              0,          LIMIT_ROWS)      /* then bend rows */ \
+  X(shears,             0,          LIMIT_ROWS)      /* then shear rows */ \
+  X(link_batches,       1,          LIMIT_BATCHES) \
+  X(bend_batches,       0,          LIMIT_BATCHES) \
+  X(shear_batches,      0,          LIMIT_BATCHES) \
+  X(bodies,             0,          LIMIT_BODIES) \
+  X(gravity_x,          -(1 << 24), 1 << 24)   /* Q28 lu per substep, each substep, floor */ \
+  X(gravity_y,          -(1 << 24), 1 << 24) \
+  X(gravity_z,          -(1 << 24), 1 << 24) \
+  X(gravity_rest_x,     WORD_MIN,   WORD_MAX)  /* unsigned 2^-32 of that */ \
+  X(gravity_rest_y,     WORD_MIN,   WORD_MAX) \
+  X(gravity_rest_z,     WORD_MIN,   WORD_MAX) \
+  X(drag,               0,          1 << 24)   /* Q24 of velocity lost each tick */ \
+  X(relative_damping,   0,          1 << 24)   /* Q24 of non-rigid velocity lost each tick */ \
+  X(direction_shift,    1,          12)        /* k: link directions are Q(24-k) */ \
+  X(thickness,          0,          1 << 24)   /* Q24 lu */ \
+  X(tear_min,           0,          1 << 18)   /* Q16 strain */ \
+  X(tear_max,           0,          1 << 18) \
+  X(tearing,            0,          1) \
+  X(tear_mirrored,      0,          1)         /* thresholds symmetric in the warps */ \
+  X(seed,               WORD_MIN,   WORD_MAX) \
+  X(cuts_max,           1,          LIMIT_CUTS) \
+  X(weave_columns,      1,          8) \
+  X(weave_rows,         1,          8) \
+  X(weave_low,          WORD_MIN,   WORD_MAX) \
+  X(weave_high,         WORD_MIN,   WORD_MAX) \
+  X(hands,              0,          3)         /* bit h: a body follows hand h */ \
+  X(pose_gain,          1,          WORD_MAX)  /* Q8 of Q24 lu for one pose step of 2 um */ \
+  X(hand_speed,         1,          1 << 28)   /* Q24 lu a tick */ \
+  X(force_gain,         1,          WORD_MAX)  /* impulse to 0.5 mN steps, see stage/force.c */ \
+  X(force_shift,        1,          62) \
+  X(force_clamp,        0,          32767)     /* 0.5 mN */ \
+  X(force_rate,         1,          32767)     /* 0.5 mN a tick */ \
+  X(ramp_ticks,         1,          10000) \
+  X(fade_ticks,         1,          10000) \
+  X(stale_ticks,        1,          1000) \
+  X(arm_poses,          1,          1000) \
+  X(contact_margin,     0,          1 << 26)   /* Q24 lu */
+
+typedef struct {
+#define X(name, least, most) int32_t name;
+  PARAMS(X)
+#undef X
+} params;
+
+/*    name              least       most */
+#define STATE(X) \
+  X(tick,               WORD_MIN,   WORD_MAX) \
+  X(gravity_phase_x,    WORD_MIN,   WORD_MAX)  /* running remainder of gravity_rest */ \
+  X(gravity_phase_y,    WORD_MIN,   WORD_MAX) \
+  X(gravity_phase_z,    WORD_MIN,   WORD_MAX) \
+  X(topology_low,       WORD_MIN,   WORD_MAX)  /* XOR of hash_entry over dead rows */ \
+  X(topology_high,      WORD_MIN,   WORD_MAX) \
+  X(hash_low,           WORD_MIN,   WORD_MAX)  /* what the last tick reported; not hashed */ \
+  X(hash_high,          WORD_MIN,   WORD_MAX) \
+  X(cuts_total,         0,          LIMIT_ROWS) \
+  X(faults,             0,          31) \
+  X(mode,               FRAY_READY, FRAY_SAFE) \
+  X(starting,           0,          1)         /* START taken, hands not armed yet */ \
+  X(muted,              0,          1)         /* ZERO: forces stay at zero */ \
+  X(ramp,               0,          1 << 16)   /* Q16 share of the force that is let out */ \
+  HAND_STATE(X, 0) HAND_STATE(X, 1)
+
+#define HAND_STATE(X, h) \
+  X(good_##h,           0,          WORD_MAX)  /* ticks in a row with a pose */ \
+  X(missing_##h,        0,          WORD_MAX)  /* ticks in a row without one */ \
+  X(consumed_##h,       0,          15) \
+  X(buttons_##h,        0,          15) \
+  X(pose_x_##h,         -32768,     32767)     /* the last pose, device steps */ \
+  X(pose_y_##h,         -32768,     32767) \
+  X(pose_z_##h,         -32768,     32767) \
+  X(datum_x_##h,        -32768,     32767)     /* the pose that means "at home" */ \
+  X(datum_y_##h,        -32768,     32767) \
+  X(datum_z_##h,        -32768,     32767) \
+  X(sent_x_##h,         -32767,     32767)     /* the last force sent */ \
+  X(sent_y_##h,         -32767,     32767) \
+  X(sent_z_##h,         -32767,     32767)
+
+/* One hand's words as they stand in the state, so that code can loop over hands. */
+typedef struct {
+  int32_t good, missing, consumed, buttons;
+  int32_t pose[3], datum[3], sent[3];
+} hand_state;
+
+typedef struct {
+  int32_t tick;
+  int32_t gravity_phase[3];
+  int32_t topology[2];
+  int32_t hash[2];
+  int32_t cuts_total, faults, mode, starting, muted, ramp;
+  hand_state hand[FRAY_HANDS];
+} state;
+
+enum {
+#define X(name, least, most) +1
+  PARAM_WORDS = 0 PARAMS(X),
+  STATE_WORDS = 0 STATE(X)
+#undef X
+};
+_Static_assert(sizeof(params) == 4u * PARAM_WORDS, "params is a table of words");
+_Static_assert(sizeof(state) == 4u * STATE_WORDS, "state is a table of words");
+
+#endif

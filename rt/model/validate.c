@@ -1,0 +1,266 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Every value of a loaded image is checked here, in time linear in the image, so that the stages
+ * can rely on ranges, on ids that exist and on batches whose rows are independent. */
+#include "rt/base/hash.h"
+#include "rt/model/image.h"
+
+typedef struct {
+  int32_t least, most;
+} word_range;
+
+static const word_range params_ranges[PARAM_WORDS] = {
+#define X(name, least, most) {least, most},
+    PARAMS(X)
+#undef X
+};
+static const word_range state_ranges[STATE_WORDS] = {
+#define X(name, least, most) {least, most},
+    STATE(X)
+#undef X
+};
+
+/* Section ids, as in image_arrays. */
+enum {
+  IN_PARAMS = 1, IN_STATE, IN_LINKS, IN_SPRINGS, IN_BATCHES, IN_CROSSING, IN_HOME, IN_ROW_OF,
+  IN_ROW_I, IN_ROW_J, IN_CLASS, IN_X, IN_Y, IN_Z, IN_RX = 18, IN_GRIP_BODY = 21, IN_GRIP_X,
+  IN_BODIES = 25, IN_BODY_STATES, IN_KEYS
+};
+
+static int refuse(fray_error *error, fray_status status, uint32_t section, uint32_t index,
+                  const char *what) {
+  if (error != NULL) {
+    error->status = status;
+    error->section = section;
+    error->index = index;
+    error->what = what;
+  }
+  return 0;
+}
+static int bad(fray_error *error, uint32_t section, uint32_t index, const char *what) {
+  return refuse(error, FRAY_BAD_FIELD, section, index, what);
+}
+
+static int words_in_range(const void *table, const word_range *ranges, uint32_t count,
+                          uint32_t section, fray_error *error) {
+  const int32_t *words = (const int32_t *)table;
+  for (uint32_t n = 0; n < count; ++n)
+    if (words[n] < ranges[n].least || words[n] > ranges[n].most)
+      return bad(error, section, n, "a word in its range, see model/params.h");
+  return 1;
+}
+
+static int counts_fit(const fray_world *w, fray_error *error) {
+  const params *p = w->params;
+  const weave grid = world_weave(w);
+  const uint32_t crossings = grid.warps * grid.wefts;
+  const uint32_t *have = w->capacity;
+  const int fit =
+      crossings == have[POOL_CROSSINGS] && (uint32_t)p->particles >= crossings &&
+      (uint32_t)p->particles <= have[POOL_PARTICLES] && (uint32_t)p->held == have[POOL_HELD] &&
+      p->held <= p->particles && (uint32_t)p->links == weave_links(grid) &&
+      (uint32_t)p->bends == weave_bends(grid) && (uint32_t)p->shears == weave_shears(grid) &&
+      (uint32_t)p->links + (uint32_t)p->bends + (uint32_t)p->shears == have[POOL_ROWS] &&
+      (uint32_t)p->link_batches + (uint32_t)p->bend_batches + (uint32_t)p->shear_batches ==
+          have[POOL_BATCHES] &&
+      (uint32_t)p->bodies == have[POOL_BODIES] && (uint32_t)p->cuts_max == have[POOL_CUTS];
+  if (!fit) return bad(error, IN_PARAMS, 0, "counts that agree with the header's capacities");
+  if (p->tear_max < p->tear_min) return bad(error, IN_PARAMS, 0, "tear_max at least tear_min");
+  if (p->held != 0 && p->bodies == 0) return bad(error, IN_PARAMS, 0, "a body that holds");
+  return 1;
+}
+
+static int link_classes_good(const fray_world *w, fray_error *error) {
+  const unsigned k = (unsigned)w->params->direction_shift;
+  for (uint32_t n = 1; n < w->capacity[POOL_LINK_CLASSES]; ++n) {
+    const link_class *c = &w->links[n];
+    const link_class expected = link_class_make(c->rest, c->push, k);
+    if (c->rest < LINK_UNITS_MIN << k || c->rest > LINK_UNITS_MAX << k)
+      return bad(error, IN_LINKS, n, "a rest length of 1024 to 8191 direction units");
+    if (c->push < 0 || c->push > 4096)
+      return bad(error, IN_LINKS, n, "a share of 0 to 4096");
+    if (c->r2 != expected.r2 || c->n_max != expected.n_max || c->inverse != expected.inverse)
+      return bad(error, IN_LINKS, n, "constants that follow from the rest length");
+  }
+  return 1;
+}
+
+static int spring_classes_good(const fray_world *w, fray_error *error) {
+  for (uint32_t n = 1; n < w->capacity[POOL_SPRING_CLASSES]; ++n) {
+    const spring_class *c = &w->springs[n];
+    if (c->rest < 1 || c->rest > 2 * FX_LU || c->gain < 0 || c->gain >= 1 << 27 ||
+        (c->compression_only | 1) != 1)
+      return bad(error, IN_SPRINGS, n, "a rest length to 2 lu, a gain below 1/2, a flag of 0 or 1");
+  }
+  return 1;
+}
+
+static int orthonormal(const int32_t axes[9]) {
+  for (uint32_t a = 0; a < 3; ++a)
+    for (uint32_t b = a; b < 3; ++b) {
+      int64_t dot = 0;
+      for (uint32_t n = 0; n < 3; ++n) {
+        if (axes[3 * a + n] < -(1 << 30) || axes[3 * a + n] > 1 << 30) return 0;
+        dot += fx_asr64((int64_t)axes[3 * a + n] * axes[3 * b + n], 30);
+      }
+      const int64_t off = dot - (a == b ? (int64_t)1 << 30 : 0);
+      if (off < -4096 || off > 4096) return 0;
+    }
+  return 1;
+}
+
+#define GRIP_MAX FX_WORLD_MAX /* position + grip stays below 2^31, and predict clamps it */
+
+static int place_good(const int32_t *at) {
+  for (uint32_t n = 0; n < 3; ++n)
+    if (at[n] < -FX_WORLD_MAX || at[n] > FX_WORLD_MAX) return 0;
+  return 1;
+}
+
+static int body_good(const fray_world *w, const body *k) {
+  const int32_t size_max = 16 * FX_LU;
+  int good = k->shape >= FRAY_ANCHOR && k->shape <= FRAY_PLANE && k->motion >= FRAY_FIXED &&
+             k->motion <= FRAY_FREE && k->hand >= 0 && k->hand < FRAY_HANDS && k->radius >= 0 &&
+             k->radius <= size_max && k->friction >= 0 && k->friction <= 16 << 16 &&
+             k->yield >= 0 && k->yield <= 1 << 30 && k->key_first >= 0 && k->keys >= 0 &&
+             place_good(k->home) && orthonormal(k->axes);
+  for (uint32_t n = 0; n < 3; ++n)
+    good = good && k->half[n] >= 0 && k->half[n] <= size_max && k->reach[n] >= 0 &&
+           k->reach[n] <= 4 * size_max - 1;
+  good = good && (k->motion == FRAY_FREE || k->yield == 0);
+  good = good && (k->motion != FRAY_HAND || (w->params->hands >> k->hand & 1) != 0);
+  const int64_t keys_end = (int64_t)k->key_first + k->keys;
+  good = good && (k->motion != FRAY_PATH || k->keys > 0) && keys_end <= w->capacity[POOL_KEYS];
+  return good;
+}
+
+static int keys_good(const fray_world *w, const body *k) {
+  for (int32_t n = 0; n < k->keys; ++n) {
+    const body_key *key = &w->keys[k->key_first + n];
+    if (key->tick < 0 || !place_good(key->position)) return 0;
+    if (n > 0 && key->tick <= w->keys[k->key_first + n - 1].tick) return 0;
+  }
+  return 1;
+}
+
+static int bodies_good(const fray_world *w, fray_error *error) {
+  for (uint32_t b = 0; b < w->capacity[POOL_BODIES]; ++b) {
+    const body_state *s = &w->body_states[b];
+    if (!body_good(w, &w->bodies[b])) return bad(error, IN_BODIES, b, "a body in its ranges");
+    if (!keys_good(w, &w->bodies[b])) return bad(error, IN_KEYS, b, "keys with rising ticks");
+    int good = place_good(s->position);
+    for (uint32_t n = 0; n < 3; ++n)
+      good = good && s->remainder[n] >= -8 && s->remainder[n] <= 8 && s->fraction[n] >= 0 &&
+             s->fraction[n] < 1 << 30 && s->velocity[n] > INT32_MIN;
+    if (!good) return bad(error, IN_BODY_STATES, b, "a body's state in its ranges");
+  }
+  return 1;
+}
+
+static int particles_good(const fray_world *w, fray_error *error) {
+  for (uint32_t p = 0; p < w->capacity[POOL_PARTICLES]; ++p) {
+    const int32_t at[3] = {w->x[p], w->y[p], w->z[p]};
+    /* projections may have pushed past the edge that predict holds; 2 lu is far more than one
+     * substep can */
+    for (uint32_t n = 0; n < 3; ++n)
+      if (at[n] < -FX_WORLD_MAX - 2 * FX_LU || at[n] > FX_WORLD_MAX + 2 * FX_LU)
+        return bad(error, IN_X + n, p, "a position within 62 lu");
+    if (w->rx[p] < -8 || w->rx[p] > 8 || w->ry[p] < -8 || w->ry[p] > 8 || w->rz[p] < -8 ||
+        w->rz[p] > 8)
+      return bad(error, IN_RX, p, "a remainder of -8 to 8");
+  }
+  for (uint32_t p = 0; p < (uint32_t)w->params->held; ++p) {
+    if (w->grip_body[p] >= (uint32_t)w->params->bodies)
+      return bad(error, IN_GRIP_BODY, p, "a body that exists");
+    const int32_t grip[3] = {w->grip_x[p], w->grip_y[p], w->grip_z[p]};
+    for (uint32_t n = 0; n < 3; ++n)
+      if (grip[n] < -GRIP_MAX || grip[n] > GRIP_MAX)
+        return bad(error, IN_GRIP_X + n, p, "a place within 60 lu of the body");
+  }
+  return 1;
+}
+
+static int ids_good(const fray_world *w, fray_error *error) {
+  const uint32_t particles = (uint32_t)w->params->particles;
+  const uint32_t rows = w->capacity[POOL_ROWS];
+  const uint32_t links = (uint32_t)w->params->links;
+  for (uint32_t n = 0; n < w->capacity[POOL_CROSSINGS]; ++n)
+    if (w->crossing[n] >= particles) return bad(error, IN_CROSSING, n, "a particle in use");
+  for (uint32_t row = 0; row < rows; ++row) {
+    const uint32_t classes =
+        row < links ? w->capacity[POOL_LINK_CLASSES] : w->capacity[POOL_SPRING_CLASSES];
+    if (w->row_i[row] >= particles || w->row_j[row] >= particles || w->row_i[row] == w->row_j[row])
+      return bad(error, IN_ROW_I, row, "two different particles in use");
+    if (w->row_class[row] != ROW_DEAD && w->row_class[row] >= classes)
+      return bad(error, IN_CLASS, row, "a class that exists");
+    if (w->home[row] >= rows || w->row_of[w->home[row]] != row)
+      return bad(error, IN_HOME, row, "a canonical row, each once");
+  }
+  return 1;
+}
+
+/* Rows of a batch share no particle (but for held ones, which nobody moves), and ends are held as
+ * the batch says. `seen` holds the last batch that used a particle. */
+static int batch_good(const fray_world *w, uint32_t b, int32_t *seen) {
+  const row_batch *batch = &w->batches[b];
+  const uint32_t held = (uint32_t)w->params->held;
+  const uint32_t first = (uint32_t)batch->first;
+  for (uint32_t row = first; row < first + (uint32_t)batch->count; ++row) {
+    const uint32_t ends[2] = {w->row_i[row], w->row_j[row]};
+    const int32_t kind = (ends[0] < held) + (ends[1] < held);
+    if (kind != batch->held || (kind == BATCH_HELD && ends[0] >= held)) return 0;
+    for (uint32_t n = 0; n < 2; ++n) {
+      if (ends[n] < held) continue;
+      if (seen[ends[n]] == (int32_t)b) return 0;
+      seen[ends[n]] = (int32_t)b;
+    }
+  }
+  return 1;
+}
+
+static int batches_good(const fray_world *w, fray_error *error) {
+  const params *p = w->params;
+  const uint32_t ends[3] = {(uint32_t)p->links, (uint32_t)(p->links + p->bends),
+                            (uint32_t)(p->links + p->bends + p->shears)};
+  const uint32_t batches[3] = {(uint32_t)p->link_batches, (uint32_t)p->bend_batches,
+                               (uint32_t)p->shear_batches};
+  int32_t *seen = w->qx; /* not in use between ticks */
+  for (uint32_t n = 0; n < w->capacity[POOL_PARTICLES]; ++n) seen[n] = -1;
+  uint32_t row = 0;
+  uint32_t b = 0;
+  for (uint32_t family = 0; family < 3; ++family) {
+    for (const uint32_t last = b + batches[family]; b < last; ++b) {
+      const row_batch *batch = &w->batches[b];
+      if (batch->first != (int32_t)row || batch->count < 0 ||
+          (uint32_t)batch->count > ends[family] - row)
+        return refuse(error, FRAY_BAD_BATCH, IN_BATCHES, b, "batches without gaps or overlap");
+      if (!batch_good(w, b, seen))
+        return refuse(error, FRAY_BAD_BATCH, IN_BATCHES, b,
+                      "rows that share no particle and are held as the batch says");
+      row += (uint32_t)batch->count;
+    }
+    if (row != ends[family])
+      return refuse(error, FRAY_BAD_BATCH, IN_BATCHES, b, "batches that cover their family");
+  }
+  return 1;
+}
+
+static int topology_good(const fray_world *w, fray_error *error) {
+  const uint64_t now = world_topology(w);
+  if ((uint32_t)w->state->topology[0] != (uint32_t)(now & 0xFFFFFFFFu) ||
+      (uint32_t)w->state->topology[1] != (uint32_t)(now >> 32))
+    return bad(error, IN_STATE, 4, "the hash of the dead rows");
+  return 1;
+}
+
+fray_status image_validate(const fray_world *w, fray_error *error) {
+  fray_error found = {FRAY_BAD_FIELD, 0, 0, ""};
+  const int good =
+      words_in_range(w->params, params_ranges, PARAM_WORDS, IN_PARAMS, &found) &&
+      words_in_range(w->state, state_ranges, STATE_WORDS, IN_STATE, &found) &&
+      counts_fit(w, &found) && link_classes_good(w, &found) && spring_classes_good(w, &found) &&
+      bodies_good(w, &found) && particles_good(w, &found) && ids_good(w, &found) &&
+      batches_good(w, &found) && topology_good(w, &found);
+  if (good) return FRAY_OK;
+  if (error != NULL) *error = found;
+  return found.status;
+}

@@ -1,0 +1,129 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Read-only views for the caller. */
+#include "rt/base/bytes.h"
+#include "rt/model/world.h"
+
+uint64_t fray_hash(const fray_world *w) {
+  return (uint64_t)(uint32_t)w->state->hash[1] << 32 | (uint32_t)w->state->hash[0];
+}
+
+/* Rows of the batches [first, end) that anything steps. */
+static uint32_t stepped(const fray_world *w, uint32_t first, uint32_t end) {
+  uint32_t rows = 0;
+  for (uint32_t b = first; b < end; ++b)
+    if (w->batches[b].held != BATCH_IDLE) rows += (uint32_t)w->batches[b].count;
+  return rows;
+}
+
+fray_work fray_limits(const fray_world *w) {
+  const params *p = w->params;
+  const uint32_t substeps = (uint32_t)p->substeps;
+  const uint32_t link_batches = (uint32_t)p->link_batches;
+  fray_work most;
+  most.predictions = (uint32_t)(p->particles - p->held) * substeps;
+  most.projections = stepped(w, 0, link_batches) * (uint32_t)p->sweeps * substeps;
+  most.springs = stepped(w, link_batches,
+                         link_batches + (uint32_t)p->bend_batches + (uint32_t)p->shear_batches);
+  most.contacts = w->capacity[POOL_CONTACTS] * substeps;
+  most.tear_tests = p->tearing != 0 ? (uint32_t)p->links : 0;
+  most.cuts = p->tearing != 0 ? (uint32_t)p->cuts_max : 0;
+  return most;
+}
+
+fray_facts fray_describe(const fray_world *w) {
+  const params *p = w->params;
+  fray_facts f;
+  bytes_zero(&f, sizeof f);
+  f.rate_hz = (uint32_t)p->rate_hz;
+  f.substeps = (uint32_t)p->substeps;
+  f.sweeps = (uint32_t)p->sweeps;
+  f.lu_um = (uint32_t)p->lu_um;
+  f.particle_mass_ng = (uint32_t)p->particle_mass_ng;
+  f.thickness = p->thickness;
+  f.tear_min_q16 = p->tear_min;
+  f.tear_max_q16 = p->tear_max;
+  f.tearing = (uint32_t)p->tearing;
+  f.tick = (uint32_t)w->state->tick;
+  f.rows[FRAY_STRUCTURAL] = (uint32_t)p->links;
+  f.rows[FRAY_BEND] = (uint32_t)p->bends;
+  f.rows[FRAY_SHEAR] = (uint32_t)p->shears;
+  f.batches[FRAY_STRUCTURAL] = (uint32_t)p->link_batches;
+  f.batches[FRAY_BEND] = (uint32_t)p->bend_batches;
+  f.batches[FRAY_SHEAR] = (uint32_t)p->shear_batches;
+  f.bodies = (uint32_t)p->bodies;
+  f.particles_max = w->capacity[POOL_PARTICLES];
+  f.contacts_max = w->capacity[POOL_CONTACTS];
+  f.cuts_max = w->capacity[POOL_CUTS];
+  f.hands = (uint32_t)p->hands;
+  for (uint32_t h = 0; h < FRAY_HANDS; ++h) f.consumed[h] = (uint8_t)w->state->hand[h].consumed;
+  f.gravity[0] = p->gravity_x;
+  f.gravity[1] = p->gravity_y;
+  f.gravity[2] = p->gravity_z;
+  f.gravity_rest[0] = (uint32_t)p->gravity_rest_x;
+  f.gravity_rest[1] = (uint32_t)p->gravity_rest_y;
+  f.gravity_rest[2] = (uint32_t)p->gravity_rest_z;
+  return f;
+}
+
+fray_particles fray_view_particles(const fray_world *w) {
+  const fray_particles v = {(uint32_t)w->params->particles, (uint32_t)w->params->held, w->x, w->y,
+                            w->z, w->vx, w->vy, w->vz};
+  return v;
+}
+
+fray_sheet fray_view_sheet(const fray_world *w) {
+  const params *p = w->params;
+  const fray_sheet s = {(uint32_t)p->warps, (uint32_t)p->wefts, (uint32_t)p->weave_columns,
+                        (uint32_t)p->weave_rows,
+                        (uint64_t)(uint32_t)p->weave_high << 32 | (uint32_t)p->weave_low};
+  return s;
+}
+
+/* Which batch a row is in; a linear walk, for tools. */
+static uint32_t held_of(const fray_world *w, uint32_t row) {
+  const uint32_t batches = (uint32_t)(w->params->link_batches + w->params->bend_batches +
+                                      w->params->shear_batches);
+  for (uint32_t b = 0; b < batches; ++b)
+    if (row < (uint32_t)w->batches[b].first + (uint32_t)w->batches[b].count)
+      return w->batches[b].held != BATCH_FREE;
+  return 0;
+}
+
+fray_row fray_view_row(const fray_world *w, fray_family family, uint32_t index) {
+  const params *p = w->params;
+  const uint32_t firsts[3] = {0, (uint32_t)p->links, (uint32_t)(p->links + p->bends)};
+  const uint32_t row = firsts[family] + index;
+  const uint32_t kind = w->row_class[row];
+  fray_row v;
+  bytes_zero(&v, sizeof v);
+  v.i = w->row_i[row];
+  v.j = w->row_j[row];
+  v.home = w->home[row];
+  v.alive = kind != ROW_DEAD;
+  v.held = (uint8_t)held_of(w, row);
+  v.rest = family == FRAY_STRUCTURAL ? w->links[kind].rest : w->springs[kind].rest;
+  v.threshold = family == FRAY_STRUCTURAL ? world_threshold(w, row) : 0;
+  return v;
+}
+
+fray_body fray_view_body(const fray_world *w, uint32_t b) {
+  const body *k = &w->bodies[b];
+  const body_state *s = &w->body_states[b];
+  fray_body v;
+  v.shape = (fray_shape)k->shape;
+  v.motion = (fray_motion)k->motion;
+  v.hand = (uint32_t)k->hand;
+  v.radius = k->radius;
+  for (uint32_t n = 0; n < 9; ++n) v.axes[n] = k->axes[n];
+  for (uint32_t n = 0; n < 3; ++n) {
+    v.half[n] = k->half[n];
+    v.position[n] = s->position[n];
+    v.velocity[n] = s->velocity[n];
+    v.impulse[n] = w->motion[b].impulse[n];
+  }
+  return v;
+}
+
+uint32_t fray_particle_at(const fray_world *w, uint32_t crossing) { return w->crossing[crossing]; }
+
+uint32_t fray_holder(const fray_world *w, uint32_t particle) { return w->grip_body[particle]; }

@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "rt/model/world.h"
+
+#include "rt/base/hash.h"
+#include "rt/base/random.h"
+
+enum { TOPOLOGY_FIELD = 1 };
+
+void world_kill_row(fray_world *w, uint32_t row) {
+  if (w->row_class[row] == ROW_DEAD) return;
+  w->row_class[row] = ROW_DEAD;
+  const uint64_t entry = hash_entry(TOPOLOGY_FIELD, w->home[row], ROW_DEAD);
+  w->state->topology[0] ^= (int32_t)(uint32_t)(entry & 0xFFFFFFFFu);
+  w->state->topology[1] ^= (int32_t)(uint32_t)(entry >> 32);
+}
+
+uint64_t world_topology(const fray_world *w) {
+  uint64_t total = 0;
+  for (uint32_t row = 0; row < w->capacity[POOL_ROWS]; ++row)
+    if (w->row_class[row] == ROW_DEAD)
+      total ^= hash_entry(TOPOLOGY_FIELD, w->home[row], ROW_DEAD);
+  return total;
+}
+
+/* The two words that hold the hash itself are left out. */
+static void hash_state(hash *h, const state *s) {
+  state copy = *s;
+  copy.hash[0] = 0;
+  copy.hash[1] = 0;
+  hash_words(h, (const int32_t *)(const void *)&copy, STATE_WORDS);
+}
+
+uint64_t world_hash(const fray_world *w) {
+  const uint32_t particles = (uint32_t)w->params->particles;
+  const int32_t *const words[6] = {w->x, w->y, w->z, w->vx, w->vy, w->vz};
+  const int8_t *const remainders[3] = {w->rx, w->ry, w->rz};
+  hash h;
+  hash_begin(&h);
+  hash_state(&h, w->state);
+  for (uint32_t n = 0; n < 6; ++n) hash_words(&h, words[n], particles);
+  for (uint32_t n = 0; n < 3; ++n) hash_bytes(&h, remainders[n], particles);
+  hash_words(&h, (const int32_t *)(const void *)w->body_states,
+             w->capacity[POOL_BODIES] * BODY_STATE_WORDS);
+  return hash_end(&h);
+}
+
+int32_t world_threshold(const fray_world *w, uint32_t row) {
+  uint32_t element = w->home[row];
+  if (w->params->tear_mirrored != 0) element = weave_mirror(world_weave(w), element);
+  return random_between((uint32_t)w->params->seed, element, w->params->tear_min,
+                        w->params->tear_max);
+}

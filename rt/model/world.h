@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The world: pools carved once from the caller's memory. Stages read and write it; nothing here
+ * moves by itself. Which arrays are constants, which are state and which live for one tick only
+ * is the table in model/image.c. */
+#ifndef FRAY_MODEL_WORLD_H
+#define FRAY_MODEL_WORLD_H
+
+#include "rt/base/vec.h"
+#include "rt/model/bodies.h"
+#include "rt/model/contacts.h"
+#include "rt/model/params.h"
+#include "rt/model/rows.h"
+#include "rt/model/weave.h"
+
+/* Pools with their capacities, in the order of the image's header. */
+typedef enum {
+  POOL_PARAMS,
+  POOL_STATE,
+  POOL_PARTICLES,
+  POOL_HELD,
+  POOL_CROSSINGS,
+  POOL_ROWS,
+  POOL_BATCHES,
+  POOL_LINK_CLASSES,
+  POOL_SPRING_CLASSES,
+  POOL_BODIES,
+  POOL_KEYS,
+  POOL_CONTACTS,
+  POOL_CUTS,
+  POOLS
+} pool_name;
+
+/* A spring over its threshold, waiting to be cut. */
+typedef struct {
+  uint32_t row;
+  uint32_t excess; /* Q16 of (length / length at threshold)^2 - 1 */
+} cut;
+
+struct fray_world {
+  uint32_t capacity[POOLS];
+
+  /* constants */
+  const params *params;
+  const row_id *crossing;    /* crossing -> particle */
+  const row_id *home;        /* row -> canonical row */
+  const row_id *row_of;      /* canonical row -> row */
+  const row_batch *batches;  /* of links, then bends, then shears */
+  const link_class *links;   /* by class; 0 is unused */
+  const spring_class *springs;
+  const uint8_t *grip_body;  /* held particle -> body */
+  const int32_t *grip_x, *grip_y, *grip_z; /* its place relative to the body, Q24 lu */
+  const body *bodies;
+  const body_key *keys;
+
+  /* state */
+  state *state;
+  int32_t *x, *y, *z;        /* Q24 lu */
+  int32_t *vx, *vy, *vz;     /* Q28 lu per substep */
+  int8_t *rx, *ry, *rz;      /* what rounding the step to Q24 left over, Q28 */
+  row_id *row_i, *row_j;
+  uint8_t *row_class;
+  body_state *body_states;
+
+  /* of one tick */
+  int32_t *qx, *qy, *qz;     /* predicted, Q24 lu */
+  body_motion *motion;
+  contact *contacts;
+  uint32_t contact_count;
+  cut *cuts;
+  uint32_t cut_count;
+  uint32_t cuts_waiting;
+  uint32_t cut_first;
+  uint8_t acked, ack_counter, result;
+  vec3 gravity_step;         /* of this substep, Q28 */
+  int32_t raw_force[FRAY_HANDS][3];
+  fray_work work;
+};
+
+static inline vec3 world_position(const fray_world *w, uint32_t p) {
+  return vec_make(w->x[p], w->y[p], w->z[p]);
+}
+static inline weave world_weave(const fray_world *w) {
+  const weave grid = {(uint32_t)w->params->warps, (uint32_t)w->params->wefts};
+  return grid;
+}
+
+/* Marks a row as dead and enters it into the topology's hash. */
+void world_kill_row(fray_world *w, uint32_t row);
+/* XOR over all dead rows, recomputed: what state.topology must say. */
+uint64_t world_topology(const fray_world *w);
+/* The state's hash; cost: 9 words a particle. */
+uint64_t world_hash(const fray_world *w);
+/* Threshold of a structural row, Q16 strain: drawn from (seed, canonical row). */
+int32_t world_threshold(const fray_world *w, uint32_t row);
+
+#endif

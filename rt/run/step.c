@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The tick: the only file that knows the order of the stages. It is the loop of Metaaphanon 2009,
+ * section 4 (its step numbers at the right), with the substeps around steps 1 to 6 and 8. */
+#include "rt/base/bytes.h"
+#include "rt/stage/stage.h"
+
+static void begin_tick(fray_world *w) {
+  bytes_zero(w->motion, sizeof(body_motion) * w->capacity[POOL_BODIES]);
+  bytes_zero(&w->work, sizeof w->work);
+  w->cut_count = 0;
+  w->cuts_waiting = 0;
+}
+
+/* A seam for tools that time the stages; nothing on targets. */
+#ifndef STEP_STAGE
+#define STEP_STAGE(name, call) call
+#endif
+
+void fray_tick(fray_world *w, const fray_input *input, fray_output *output) {
+  const uint32_t substeps = (uint32_t)w->params->substeps;
+  bytes_zero(output, sizeof *output);
+  begin_tick(w);
+  STEP_STAGE(DEVICES, devices_run(w, input));
+  STEP_STAGE(DAMP, damp_run(w));       /* 3 */
+  STEP_STAGE(SPRINGS, springs_run(w)); /* 1, 2: bend, shear; structural ones are projected */
+  STEP_STAGE(GATHER, collide_gather(w));
+  for (uint32_t substep = 0; substep < substeps; ++substep) {
+    STEP_STAGE(PREDICT, predict_run(w, substep)); /* 1, 2, 4: gravity, positions */
+    STEP_STAGE(STRAIN, strain_run(w));            /* 5 */
+    STEP_STAGE(COLLIDE, collide_run(w));          /* 6 */
+    if (substep + 1u == substeps) {
+      STEP_STAGE(TEAR, tear_run(w)); /* 7 */
+      STEP_STAGE(CUT, cut_run(w));
+    }
+    STEP_STAGE(FINISH, finish_run(w)); /* 8 */
+  }
+  STEP_STAGE(FORCE, force_run(w, output->force));
+  STEP_STAGE(REPORT, report_run(w, output));
+}

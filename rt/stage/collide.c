@@ -1,0 +1,193 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Cloth particles against rigid bodies (Metaaphanon 2009, section 4.2, first half).
+ *
+ * gather, once a tick: the particles that may reach a body before the tick ends, by boxes widened
+ * by what both will move. The pool is bounded; what does not fit is left out in order of body and
+ * particle, and reported.
+ * run, each substep: a particle closer to a body than the cloth's thickness is pushed out along
+ * the body's normal, and held back along the surface by Coulomb friction, as a displacement. */
+#include "rt/stage/stage.h"
+
+static int32_t travel(int32_t velocity, int32_t substeps) {
+  const int64_t way = (int64_t)(fx_magnitude(velocity) >> FX_SUB_BITS) * (uint32_t)substeps;
+  return (int32_t)fx_clamp64(way, 0, FX_WORLD_MAX);
+}
+
+/* How far a body will move in this tick, along each axis. */
+static vec3 body_travel(const fray_world *w, uint32_t b) {
+  const body_motion *m = &w->motion[b];
+  const int32_t *v = w->body_states[b].velocity;
+  if (w->bodies[b].motion == FRAY_FREE)
+    return vec_make(travel(v[0], w->params->substeps), travel(v[1], w->params->substeps),
+                    travel(v[2], w->params->substeps));
+  const vec3 way = vec_sub(m->to, m->from);
+  return vec_make((int32_t)fx_magnitude(way.x), (int32_t)fx_magnitude(way.y),
+                  (int32_t)fx_magnitude(way.z));
+}
+
+static int within(int32_t at, int32_t centre, int64_t reach, int32_t velocity, int32_t substeps) {
+  const int64_t gap = (int64_t)at - centre;
+  return (gap < 0 ? -gap : gap) <= reach + travel(velocity, substeps);
+}
+
+static int may_touch(const fray_world *w, uint32_t b, uint32_t p, const int64_t reach[3]) {
+  const params *k = w->params;
+  const int32_t *at = w->body_states[b].position;
+  if (w->bodies[b].shape == FRAY_PLANE) {
+    const int32_t *n = &w->bodies[b].axes[3];
+    const vec3 away = vec_sub(world_position(w, p), vec_make(at[0], at[1], at[2]));
+    const int64_t way = (int64_t)travel(w->vx[p], k->substeps) + travel(w->vy[p], k->substeps) +
+                        travel(w->vz[p], k->substeps);
+    return vec_dot_unit(away, vec_make(n[0], n[1], n[2])) <= reach[0] + reach[1] + reach[2] + way;
+  }
+  return within(w->x[p], at[0], reach[0], w->vx[p], k->substeps) &&
+         within(w->y[p], at[1], reach[1], w->vy[p], k->substeps) &&
+         within(w->z[p], at[2], reach[2], w->vz[p], k->substeps);
+}
+
+static void gather_body(fray_world *w, uint32_t b) {
+  const params *k = w->params;
+  const body *s = &w->bodies[b];
+  const vec3 way = body_travel(w, b);
+  const int64_t skin = (int64_t)k->thickness + k->contact_margin;
+  const int64_t reach[3] = {skin + s->reach[0] + way.x, skin + s->reach[1] + way.y,
+                            skin + s->reach[2] + way.z};
+  for (uint32_t p = (uint32_t)k->held; p < (uint32_t)k->particles; ++p) {
+    if (!may_touch(w, b, p, reach)) continue;
+    if (w->contact_count == w->capacity[POOL_CONTACTS]) {
+      w->state->faults |= (int32_t)FRAY_FAULT_CONTACTS_FULL;
+      return;
+    }
+    contact *c = &w->contacts[w->contact_count++];
+    c->particle = p;
+    c->body = (uint16_t)b;
+    c->touching = 0;
+  }
+}
+
+void collide_gather(fray_world *w) {
+  w->contact_count = 0;
+  for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
+    if (w->bodies[b].shape != FRAY_ANCHOR) gather_body(w, b);
+}
+
+static vec3 body_axis(const body *s, uint32_t n) {
+  return vec_make(s->axes[3 * n], s->axes[3 * n + 1], s->axes[3 * n + 2]);
+}
+
+/* Depth below the surface of a ball around the origin, `skin` included; the normal if positive. */
+static int32_t ball_depth(vec3 d, int32_t radius, vec3 *normal) {
+  const uint64_t n = vec_squared(d);
+  if (n >= (uint64_t)fx_mul_wide(radius, radius)) return 0;
+  if (n == 0) {
+    *normal = vec_make(0, 1 << 30, 0);
+    return radius;
+  }
+  const fx_root root = fx_rsqrt(n);
+  *normal =
+      vec_make(fx_root_unit(root, d.x), fx_root_unit(root, d.y), fx_root_unit(root, d.z));
+  return fx_max(0, radius - (int32_t)fx_root_length(root));
+}
+
+static int32_t box_depth(const body *s, vec3 d, int32_t skin, vec3 *normal) {
+  int32_t least = INT32_MAX;
+  for (uint32_t n = 0; n < 3; ++n) {
+    const vec3 axis = body_axis(s, n);
+    const int32_t along = vec_dot_unit(d, axis);
+    const int64_t depth = (int64_t)s->half[n] + skin - fx_magnitude(along);
+    if (depth <= 0) return 0;
+    if (depth < least) {
+      least = (int32_t)depth;
+      *normal = along < 0 ? vec_make(-axis.x, -axis.y, -axis.z) : axis;
+    }
+  }
+  return least;
+}
+
+static int32_t depth_in(const body *s, vec3 d, int32_t skin, vec3 *normal) {
+  switch (s->shape) {
+    case FRAY_BALL:
+      return ball_depth(d, s->radius + skin, normal);
+    case FRAY_BAR: {
+      const vec3 axis = body_axis(s, 0);
+      const int32_t along = fx_clamp(vec_dot_unit(d, axis), -s->half[0], s->half[0]);
+      return ball_depth(vec_sub(d, vec_scale_unit(axis, along)), s->radius + skin, normal);
+    }
+    case FRAY_BOX:
+      return box_depth(s, d, skin, normal);
+    case FRAY_PLANE:
+      *normal = body_axis(s, 1);
+      return fx_max(0, (int32_t)fx_clamp64((int64_t)skin - vec_dot_unit(d, *normal), 0, INT32_MAX));
+    default:
+      return 0;
+  }
+}
+
+/* What friction takes back of the displacement along the surface: all of it within the cone,
+ * else `limit` of it. */
+static vec3 friction(vec3 slip, int32_t limit) {
+  const uint64_t n = vec_squared(slip);
+  if (n == 0) return slip;
+  if (n <= (uint64_t)fx_mul_wide(limit, limit)) return slip;
+  const fx_root root = fx_rsqrt(n);
+  const vec3 unit = vec_make(fx_root_unit(root, slip.x), fx_root_unit(root, slip.y),
+                             fx_root_unit(root, slip.z));
+  return vec_scale_unit(unit, limit);
+}
+
+static void resolve(fray_world *w, contact *c) {
+  const uint32_t p = c->particle;
+  const body *s = &w->bodies[c->body];
+  const int32_t *at = w->body_states[c->body].position;
+  const vec3 d = vec_sub(world_position(w, p), vec_make(at[0], at[1], at[2]));
+  const int32_t depth = depth_in(s, d, w->params->thickness, &c->normal);
+  c->touching = depth > 0;
+  if (depth <= 0) return;
+  const vec3 out = vec_scale_unit(c->normal, depth);
+  /* what the particle moved in this substep against the body: step, projections, this push */
+  const vec3 step = vec_make((int32_t)fx_round64(w->vx[p], FX_SUB_BITS),
+                             (int32_t)fx_round64(w->vy[p], FX_SUB_BITS),
+                             (int32_t)fx_round64(w->vz[p], FX_SUB_BITS));
+  const vec3 since = vec_sub(world_position(w, p), vec_make(w->qx[p], w->qy[p], w->qz[p]));
+  const vec3 moved = vec_sub(vec_add(vec_add(step, since), out), w->motion[c->body].moved);
+  const vec3 slip = vec_sub(moved, vec_scale_unit(c->normal, vec_dot_unit(moved, c->normal)));
+  const int32_t limit = (int32_t)(fx_mul_wide(depth, s->friction) >> 16);
+  const vec3 push = vec_sub(out, friction(slip, limit));
+  w->x[p] = fx_add(w->x[p], push.x);
+  w->y[p] = fx_add(w->y[p], push.y);
+  w->z[p] = fx_add(w->z[p], push.z);
+  body_gave(&w->motion[c->body], (int64_t)push.x * (1 << FX_SUB_BITS),
+            (int64_t)push.y * (1 << FX_SUB_BITS), (int64_t)push.z * (1 << FX_SUB_BITS));
+}
+
+/* A free body on a plane: it stops there. */
+static void rest_on_planes(fray_world *w, uint32_t b) {
+  const body *s = &w->bodies[b];
+  body_state *own = &w->body_states[b];
+  for (uint32_t g = 0; g < (uint32_t)w->params->bodies; ++g) {
+    if (w->bodies[g].shape != FRAY_PLANE) continue;
+    const vec3 normal = body_axis(&w->bodies[g], 1);
+    const int32_t *at = w->body_states[g].position;
+    int64_t extent = s->radius;
+    for (uint32_t n = 0; n < 3; ++n)
+      extent += fx_magnitude(vec_dot_unit(vec_scale_unit(body_axis(s, n), s->half[n]), normal));
+    const vec3 d = vec_make(fx_sub(own->position[0], at[0]), fx_sub(own->position[1], at[1]),
+                            fx_sub(own->position[2], at[2]));
+    const int64_t depth = extent - vec_dot_unit(d, normal);
+    if (depth <= 0) continue;
+    const vec3 out = vec_scale_unit(normal, (int32_t)fx_clamp64(depth, 0, FX_WORLD_MAX));
+    const int32_t out_words[3] = {out.x, out.y, out.z};
+    for (uint32_t n = 0; n < 3; ++n) {
+      own->position[n] = fx_clamp(fx_add(own->position[n], out_words[n]), -FX_WORLD_MAX,
+                                    FX_WORLD_MAX);
+      own->velocity[n] = 0;
+    }
+  }
+}
+
+void collide_run(fray_world *w) {
+  for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
+    if (w->bodies[b].motion == FRAY_FREE) rest_on_planes(w, b);
+  for (uint32_t n = 0; n < w->contact_count; ++n) resolve(w, &w->contacts[n]);
+  w->work.contacts += w->contact_count;
+}

@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Velocities take over what projections and collisions did to the positions, then are
+ * manipulated where particles touch bodies (Metaaphanon 2009, section 4, step 8, after Mueller
+ * et al. 2007: a touching particle keeps no velocity away from the body that the push gave it). */
+#include "rt/stage/stage.h"
+
+/* v += (p - q) * 16, never re-derived from positions: what is below a position step is kept. */
+static void take_over(const int32_t *restrict x, const int32_t *restrict q, int32_t *restrict v,
+                      uint32_t first, uint32_t end) {
+  for (uint32_t p = first; p < end; ++p)
+    v[p] = fx_saturate((int64_t)v[p] + (int64_t)fx_sub(x[p], q[p]) * (1 << FX_SUB_BITS));
+}
+
+static void settle_contact(fray_world *w, const contact *c) {
+  const uint32_t p = c->particle;
+  const int32_t *bv = w->body_states[c->body].velocity;
+  const vec3 away = vec_make(fx_saturate((int64_t)w->vx[p] - bv[0]),
+                             fx_saturate((int64_t)w->vy[p] - bv[1]),
+                             fx_saturate((int64_t)w->vz[p] - bv[2]));
+  const int32_t speed = vec_dot_unit(away, c->normal);
+  if (speed <= 0) return;
+  const vec3 lost = vec_scale_unit(c->normal, speed);
+  w->vx[p] = fx_saturate((int64_t)w->vx[p] - lost.x);
+  w->vy[p] = fx_saturate((int64_t)w->vy[p] - lost.y);
+  w->vz[p] = fx_saturate((int64_t)w->vz[p] - lost.z);
+  body_gave(&w->motion[c->body], -(int64_t)lost.x, -(int64_t)lost.y, -(int64_t)lost.z);
+}
+
+/* A free body gets the opposite of what the cloth gained from it since the last substep. */
+static void push_body(fray_world *w, uint32_t b) {
+  body_motion *m = &w->motion[b];
+  body_state *s = &w->body_states[b];
+  const int64_t bound = (int64_t)1 << 32;
+  for (uint32_t n = 0; n < 3; ++n) {
+    const int64_t gained = fx_clamp64(m->impulse[n] - m->settled[n], -bound, bound);
+    const int64_t change =
+        (int64_t)(uint32_t)s->fraction[n] - fx_mul64(gained, w->bodies[b].yield);
+    m->settled[n] = m->impulse[n];
+    s->velocity[n] = fx_saturate(s->velocity[n] + fx_asr64(change, 30));
+    s->fraction[n] = (int32_t)(change & ((1 << 30) - 1));
+  }
+}
+
+void finish_run(fray_world *w) {
+  const uint32_t first = (uint32_t)w->params->held;
+  const uint32_t end = (uint32_t)w->params->particles;
+  take_over(w->x, w->qx, w->vx, first, end);
+  take_over(w->y, w->qy, w->vy, first, end);
+  take_over(w->z, w->qz, w->vz, first, end);
+  for (uint32_t n = 0; n < w->contact_count; ++n)
+    if (w->contacts[n].touching != 0) settle_contact(w, &w->contacts[n]);
+  for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
+    if (w->bodies[b].motion == FRAY_FREE) push_body(w, b);
+}

@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Velocities gain gravity, positions gain velocities (Metaaphanon 2009, section 4, steps 1, 2
+ * and 4: explicit Euler); bodies move on and carry the particles that they hold. */
+#include "rt/stage/stage.h"
+
+/* Gravity per substep is not a whole number of velocity steps; the fraction accumulates. */
+static int32_t gravity_step(int32_t whole, int32_t rest, int32_t *phase) {
+  const uint64_t sum = (uint64_t)(uint32_t)*phase + (uint32_t)rest;
+  *phase = (int32_t)(uint32_t)(sum & 0xFFFFFFFFu);
+  return whole + (int32_t)(sum >> 32);
+}
+
+/* One axis of all free particles. The step in Q28 is rounded to Q24 and what the rounding left
+ * over joins the next step, so slow motion neither sticks nor drifts. */
+static uint32_t advance(int32_t *restrict x, int32_t *restrict q, int32_t *restrict v,
+                        int8_t *restrict r, uint32_t first, uint32_t end, int32_t gravity) {
+  uint32_t at_edge = 0;
+  for (uint32_t p = first; p < end; ++p) {
+    const int32_t speed = fx_clamp(v[p], -INT32_MAX + (1 << 25), INT32_MAX - (1 << 25)) + gravity;
+    const int32_t step = speed + r[p];
+    const int32_t whole = fx_round(step, FX_SUB_BITS);
+    const int32_t moved = fx_add(x[p], whole);
+    const int32_t place = fx_clamp(moved, -FX_WORLD_MAX, FX_WORLD_MAX);
+    at_edge |= (uint32_t)(moved ^ place);
+    v[p] = speed;
+    r[p] = (int8_t)(step - whole * (1 << FX_SUB_BITS));
+    x[p] = place;
+    q[p] = place;
+  }
+  return at_edge;
+}
+
+/* from + (to - from) * done / all, without a wide division. */
+static int32_t part_way(int32_t from, int32_t to, int32_t done, int32_t all) {
+  const int32_t way = fx_sub(to, from);
+  return from + way / all * done + way % all * done / all;
+}
+
+static void drive_body(fray_world *w, uint32_t b, int32_t done, int32_t all) {
+  body_motion *m = &w->motion[b];
+  int32_t *at = w->body_states[b].position;
+  const vec3 before = vec_make(at[0], at[1], at[2]);
+  at[0] = part_way(m->from.x, m->to.x, done, all);
+  at[1] = part_way(m->from.y, m->to.y, done, all);
+  at[2] = part_way(m->from.z, m->to.z, done, all);
+  m->moved = vec_sub(vec_make(at[0], at[1], at[2]), before);
+  int32_t *v = w->body_states[b].velocity;
+  v[0] = fx_saturate((int64_t)m->moved.x * (1 << FX_SUB_BITS));
+  v[1] = fx_saturate((int64_t)m->moved.y * (1 << FX_SUB_BITS));
+  v[2] = fx_saturate((int64_t)m->moved.z * (1 << FX_SUB_BITS));
+}
+
+static void fly_body(fray_world *w, uint32_t b) {
+  body_state *s = &w->body_states[b];
+  const int32_t gravity[3] = {w->gravity_step.x, w->gravity_step.y, w->gravity_step.z};
+  int32_t moved[3];
+  for (uint32_t n = 0; n < 3; ++n) {
+    int8_t remainder = (int8_t)s->remainder[n];
+    int32_t unused;
+    const int32_t before = s->position[n];
+    if (advance(&s->position[n], &unused, &s->velocity[n], &remainder, 0, 1, gravity[n]) != 0) {
+      s->velocity[n] = 0;
+      w->state->faults |= (int32_t)FRAY_FAULT_LEFT_WORLD;
+    }
+    s->remainder[n] = remainder;
+    moved[n] = s->position[n] - before;
+  }
+  w->motion[b].moved = vec_make(moved[0], moved[1], moved[2]);
+}
+
+static int32_t carried(int32_t centre, int32_t grip) {
+  return fx_clamp(fx_add(centre, grip), -FX_WORLD_MAX, FX_WORLD_MAX);
+}
+
+static void carry_held(fray_world *w) {
+  const uint32_t held = (uint32_t)w->params->held;
+  for (uint32_t p = 0; p < held; ++p) {
+    const body_state *s = &w->body_states[w->grip_body[p]];
+    w->x[p] = w->qx[p] = carried(s->position[0], w->grip_x[p]);
+    w->y[p] = w->qy[p] = carried(s->position[1], w->grip_y[p]);
+    w->z[p] = w->qz[p] = carried(s->position[2], w->grip_z[p]);
+    w->vx[p] = s->velocity[0];
+    w->vy[p] = s->velocity[1];
+    w->vz[p] = s->velocity[2];
+  }
+}
+
+void predict_run(fray_world *w, uint32_t substep) {
+  const params *p = w->params;
+  state *s = w->state;
+  const uint32_t first = (uint32_t)p->held;
+  const uint32_t end = (uint32_t)p->particles;
+  w->gravity_step = vec_make(gravity_step(p->gravity_x, p->gravity_rest_x, &s->gravity_phase[0]),
+                             gravity_step(p->gravity_y, p->gravity_rest_y, &s->gravity_phase[1]),
+                             gravity_step(p->gravity_z, p->gravity_rest_z, &s->gravity_phase[2]));
+  uint32_t at_edge = advance(w->x, w->qx, w->vx, w->rx, first, end, w->gravity_step.x);
+  at_edge |= advance(w->y, w->qy, w->vy, w->ry, first, end, w->gravity_step.y);
+  at_edge |= advance(w->z, w->qz, w->vz, w->rz, first, end, w->gravity_step.z);
+  if (at_edge != 0) s->faults |= (int32_t)FRAY_FAULT_LEFT_WORLD;
+  for (uint32_t b = 0; b < (uint32_t)p->bodies; ++b) {
+    if (w->bodies[b].motion == FRAY_FREE)
+      fly_body(w, b);
+    else
+      drive_body(w, b, (int32_t)substep + 1, p->substeps);
+  }
+  carry_held(w);
+  w->work.predictions += end - first;
+}

@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "rt/wire/port.h"
+
+#include "rt/base/bytes.h"
+#include "rt/wire/dictionary.h"
+
+static void port_count(uint32_t *counter, uint32_t by) {
+  *counter = *counter > UINT32_MAX - by ? UINT32_MAX : *counter + by;
+}
+
+void port_init(port *p, uint32_t instance, uint32_t hands, const uint8_t *consumed) {
+  bytes_zero(p, sizeof *p);
+  p->instance = (uint8_t)(instance & 7u);
+  p->hands = (uint8_t)(hands & 3u);
+  if (consumed == 0) return;
+  for (uint32_t h = 0; h < FRAY_HANDS; ++h) {
+    p->last[h] = consumed[h] & 15u;
+    p->given[h] = consumed[h] & 15u;
+  }
+}
+
+/* PORT_LANES iff the frame is not for this port. */
+static uint32_t port_lane(const port *p, const frame *f) {
+  if (f->extended || f->error) return PORT_LANES;
+  switch (dictionary_find(f->id, p->instance)) {
+    case MESSAGE_POSE_LEFT: return (p->hands & 1u) != 0 ? 0u : (uint32_t)PORT_LANES;
+    case MESSAGE_POSE_RIGHT: return (p->hands & 2u) != 0 ? 1u : (uint32_t)PORT_LANES;
+    case MESSAGE_COMMAND: return PORT_LANE_COMMAND;
+    default: return PORT_LANES;
+  }
+}
+
+void port_push(port *p, const frame *f) {
+  const uint32_t lane = port_lane(p, f);
+  if (lane == PORT_LANES) {
+    port_count(&p->statistics.unknown_id, 1);
+    return;
+  }
+  const codec_reason reason = codec_check_frame(f, f->id);
+  if (reason != CODEC_OK) {
+    port_count(reason == CODEC_LENGTH ? &p->statistics.wrong_length : &p->statistics.wrong_flags,
+               1);
+    return;
+  }
+  queue_item *item = queue_add(&p->waiting);
+  if (item == 0) {
+    port_count(&p->statistics.queue_full, 1);
+    return;
+  }
+  item->lane = (uint8_t)lane;
+  item->waits = 0;
+  bytes_copy(item->data, f->data, sizeof item->data);
+}
+
+/* 1 iff the counter is new; then it is the lane's last. */
+static int port_accept(port *p, uint32_t lane, uint8_t counter) {
+  const int consumed = lane < FRAY_HANDS && counter == p->given[lane];
+  if (counter == p->last[lane] || consumed) {
+    port_count(&p->statistics.repeated, 1);
+    return 0;
+  }
+  const uint32_t missed = ((uint32_t)counter + 15u - p->last[lane]) & 15u;
+  port_count(&p->statistics.lost, missed);
+  port_count(&p->statistics.accepted, 1);
+  p->last[lane] = counter;
+  return 1;
+}
+
+static void port_refuse(port *p, codec_reason reason) {
+  port_count(reason == CODEC_CRC ? &p->statistics.wrong_crc : &p->statistics.wrong_field, 1);
+}
+
+/* Looks at one frame; 1 iff it has to wait for the next tick. */
+static int port_read(port *p, const queue_item *item, fray_input *input,
+                     uint32_t poses[FRAY_HANDS]) {
+  const uint32_t lane = item->lane;
+  if (lane == PORT_LANE_COMMAND) {
+    if (input->verb != FRAY_VERB_NONE) return 1;
+    codec_command command;
+    const codec_reason reason = codec_read_command(item->data, p->instance, &command);
+    if (reason != CODEC_OK) {
+      port_refuse(p, reason);
+    } else if (port_accept(p, lane, command.counter)) {
+      input->verb = command.verb;
+      input->verb_counter = command.counter;
+    }
+    return 0;
+  }
+  if (poses[lane] == PORT_POSES_PER_TICK) return 1;
+  fray_pose pose;
+  const codec_reason reason = codec_read_pose(item->data, p->instance, lane, &pose);
+  if (reason != CODEC_OK) {
+    port_refuse(p, reason);
+  } else if (port_accept(p, lane, pose.counter)) {
+    bytes_copy(&input->pose[lane], &pose, sizeof pose);
+    input->has_pose = (uint8_t)(input->has_pose | 1u << lane);
+    poses[lane] += 1;
+  }
+  return 0;
+}
+
+void port_take(port *p, fray_input *input) {
+  bytes_zero(input, sizeof *input);
+  uint32_t poses[FRAY_HANDS] = {0, 0};
+  const uint32_t count = p->waiting.count < PORT_FRAMES_PER_TICK ? p->waiting.count
+                                                                 : (uint32_t)PORT_FRAMES_PER_TICK;
+  for (uint32_t n = 0; n < count; ++n) {
+    queue_item *item = queue_at(&p->waiting, n);
+    item->waits = (uint8_t)port_read(p, item, input, poses);
+  }
+  queue_drop(&p->waiting, count);
+  for (uint32_t h = 0; h < FRAY_HANDS; ++h) {
+    if ((input->has_pose & 1u << h) != 0) p->given[h] = input->pose[h].counter;
+  }
+}
+
+void port_sender_init(port_sender *s, uint32_t instance, uint32_t hands, uint32_t rate_hz) {
+  bytes_zero(s, sizeof *s);
+  s->instance = (uint8_t)(instance & 7u);
+  s->hands = (uint8_t)(hands & 3u);
+  s->status_ticks = rate_hz < 10 ? 1 : rate_hz / 10;
+}
+
+static uint16_t port_saturate16(uint32_t v) { return v > 65535u ? 65535u : (uint16_t)v; }
+
+/* Tears and pool fill do not make a STATUS: a TEAR says the first, and both may change in every
+ * tick of a long tear, when the bus is at its fullest. */
+static int port_status_due(const port_sender *s, const codec_status *now, uint32_t tick) {
+  return !s->has_sent || now->state != s->sent.state || now->faults != s->sent.faults ||
+         tick % s->status_ticks == 0;
+}
+
+uint32_t port_encode(port_sender *s, const fray_output *output, frame frames[PORT_OUT]) {
+  uint32_t count = 0;
+  for (uint32_t h = 0; h < FRAY_HANDS; ++h) {
+    if ((s->hands & 1u << h) == 0) continue;
+    const int16_t *of = output->force[h];
+    const codec_force force = {of[0], of[1], of[2], (uint8_t)(output->tick & 15u),
+                               output->consumed[h]};
+    codec_encode_force(&frames[count], s->instance, h, &force);
+    count += 1;
+  }
+  if (output->acked != FRAY_VERB_NONE) {
+    const codec_ack ack = {output->ack_counter, output->acked, output->result, output->tick};
+    codec_encode_ack(&frames[count], s->instance, &ack);
+    count += 1;
+  }
+  if (output->work.cuts > 0) {
+    const codec_tear tear = {CODEC_TEAR_STRUCTURAL, port_saturate16(output->work.cuts - 1),
+                             output->cut_first};
+    codec_encode_tear(&frames[count], s->instance, &tear);
+    count += 1;
+  }
+  const codec_status now = {output->state, s->fill_percent, output->faults, s->overruns,
+                            port_saturate16(output->cuts_total)};
+  if (port_status_due(s, &now, output->tick)) {
+    codec_encode_status(&frames[count], s->instance, &now);
+    bytes_copy(&s->sent, &now, sizeof now);
+    s->has_sent = 1;
+    count += 1;
+  }
+  return count;
+}

@@ -1,0 +1,293 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Holds the codec against rt/wire/fray.dbc. A small reader of the file picks each signal's raw
+ * value out of frames that the codec made; every byte of the frames is told by some signal.
+ * Run from the repository's root, or with the file's name as argument. */
+#include <stdint.h>
+#include <stdlib.h>
+
+#include "rt/wire/codec.h"
+#include "rt/wire/dictionary.h"
+#include "tests/lib/test.h"
+
+enum { SIGNALS_MAX = 64, MESSAGES_MAX = 16 };
+
+typedef struct {
+  char name[40];
+  unsigned id, start, bits;
+  char order, sign;
+  char scale[16];
+  char unit[8];
+  double least, most;
+  int used;
+} signal;
+
+typedef struct {
+  char name[40];
+  unsigned id, length, cycle_ms;
+} message;
+
+static char text[1 << 16];
+static signal signals[SIGNALS_MAX];
+static message messages[MESSAGES_MAX];
+static int signal_count, message_count;
+
+static message *message_by_id(unsigned id) {
+  for (int n = 0; n < message_count; ++n) {
+    if (messages[n].id == id) return &messages[n];
+  }
+  return NULL;
+}
+
+static void read_line(const char *line) {
+  message *m = &messages[message_count];
+  signal *s = &signals[signal_count];
+  unsigned id, cycle;
+  if (sscanf(line, "BO_ %u %39[^:]: %u", &m->id, m->name, &m->length) == 3) {
+    if (message_count < MESSAGES_MAX - 1) message_count += 1;
+  } else if (sscanf(line, " SG_ %39s : %u|%u@%c%c (%15[^,],0) [%lf|%lf] \"%7[^\"]", s->name,
+                    &s->start, &s->bits, &s->order, &s->sign, s->scale, &s->least, &s->most,
+                    s->unit) >= 8) {
+    s->id = messages[message_count - 1].id;
+    if (signal_count < SIGNALS_MAX - 1) signal_count += 1;
+  } else if (sscanf(line, "BA_ \"GenMsgCycleTime\" BO_ %u %u;", &id, &cycle) == 2) {
+    if (message_by_id(id) != NULL) message_by_id(id)->cycle_ms = cycle;
+  }
+}
+
+static void read_dbc(const char *file) {
+  FILE *in = fopen(file, "rb");
+  char line[512];
+  if (in == NULL) {
+    perror(file);
+    exit(1);
+  }
+  text[fread(text, 1, sizeof text - 1, in)] = 0;
+  rewind(in);
+  while (fgets(line, sizeof line, in) != NULL) read_line(line);
+  fclose(in);
+}
+
+static signal *signal_by_name(const char *name) {
+  for (int n = 0; n < signal_count; ++n) {
+    if (strcmp(signals[n].name, name) == 0) return &signals[n];
+  }
+  return NULL;
+}
+
+/* Little-endian: bit n of the frame is bit n % 8 of byte n / 8. */
+static long long raw_value(const signal *s, const uint8_t *data) {
+  uint64_t raw = 0;
+  for (unsigned n = 0; n < s->bits; ++n) {
+    const unsigned at = s->start + n;
+    raw |= (uint64_t)(data[at / 8] >> at % 8 & 1) << n;
+  }
+  if (s->sign == '-' && (raw >> (s->bits - 1) & 1) != 0) {
+    return (long long)raw - (1LL << s->bits);
+  }
+  return (long long)raw;
+}
+
+static void expect(const frame *f, const char *name, long long value) {
+  signal *s = signal_by_name(name);
+  CHECK(s != NULL);
+  if (s == NULL) return;
+  s->used += 1;
+  CHECK_EQ_INT(s->id, f->id);
+  CHECK_EQ_INT(s->order, '1');
+  if (raw_value(s, f->data) != value) printf("%s\n", name);
+  CHECK_EQ_INT(raw_value(s, f->data), value);
+}
+
+static void messages_are_the_dictionary(void) {
+  static const char *const NAMES[MESSAGES] = {"SYNC",       "COMMAND",    "ACK",
+                                              "POSE_LEFT",  "POSE_RIGHT", "FORCE_LEFT",
+                                              "FORCE_RIGHT", "TEAR",      "STATUS"};
+  CHECK_EQ_INT(message_count, MESSAGES);
+  for (int m = 0; m < (int)MESSAGES; ++m) {
+    const message *found = message_by_id(dictionary_id((dictionary_message)m, 0));
+    CHECK(found != NULL);
+    if (found == NULL) continue;
+    CHECK_TEXT(found->name, NAMES[m]);
+    CHECK_EQ_INT(found->length, DICTIONARY_LENGTH);
+    CHECK_EQ_INT(found->cycle_ms, DICTIONARY[m].cycle_ms);
+  }
+}
+
+static void sync_signals(void) {
+  frame f;
+  const codec_sync sync = {0x80000001, 0xDEADBEEF};
+  codec_encode_sync(&f, 0, &sync);
+  expect(&f, "SYNC_Tick", 0x80000001LL);
+  expect(&f, "SYNC_Hash", 0xDEADBEEFLL);
+}
+
+static void pose_signals(uint32_t hand, const char *const names[6]) {
+  frame f;
+  const fray_pose pose = {-32768, 2, 32767, 11, 6};
+  codec_encode_pose(&f, 0, hand, &pose);
+  expect(&f, names[0], f.data[0]);
+  expect(&f, names[1], 11);
+  expect(&f, names[2], 6);
+  expect(&f, names[3], -32768);
+  expect(&f, names[4], 2);
+  expect(&f, names[5], 32767);
+}
+
+static void force_signals(uint32_t hand, const char *const names[6]) {
+  frame f;
+  const codec_force force = {-5, 32767, -32767, 9, 14};
+  codec_encode_force(&f, 0, hand, &force);
+  expect(&f, names[0], f.data[0]);
+  expect(&f, names[1], 9);
+  expect(&f, names[2], 14);
+  expect(&f, names[3], -5);
+  expect(&f, names[4], 32767);
+  expect(&f, names[5], -32767);
+}
+
+static void hand_signals(void) {
+  static const char *const POSE_L[] = {"POSE_LEFT_CRC", "POSE_LEFT_Counter", "POSE_LEFT_Buttons",
+                                       "POSE_LEFT_X",   "POSE_LEFT_Y",       "POSE_LEFT_Z"};
+  static const char *const POSE_R[] = {"POSE_RIGHT_CRC", "POSE_RIGHT_Counter",
+                                       "POSE_RIGHT_Buttons", "POSE_RIGHT_X", "POSE_RIGHT_Y",
+                                       "POSE_RIGHT_Z"};
+  static const char *const FORCE_L[] = {"FORCE_LEFT_CRC", "FORCE_LEFT_Counter",
+                                        "FORCE_LEFT_Consumed", "FORCE_LEFT_X", "FORCE_LEFT_Y",
+                                        "FORCE_LEFT_Z"};
+  static const char *const FORCE_R[] = {"FORCE_RIGHT_CRC", "FORCE_RIGHT_Counter",
+                                        "FORCE_RIGHT_Consumed", "FORCE_RIGHT_X", "FORCE_RIGHT_Y",
+                                        "FORCE_RIGHT_Z"};
+  pose_signals(0, POSE_L);
+  pose_signals(1, POSE_R);
+  force_signals(0, FORCE_L);
+  force_signals(1, FORCE_R);
+}
+
+static void command_and_ack_signals(void) {
+  frame f;
+  const codec_command command = {13, FRAY_VERB_ZERO, 0xCAFEF00D};
+  codec_encode_command(&f, 0, &command);
+  expect(&f, "COMMAND_CRC", f.data[0]);
+  expect(&f, "COMMAND_Counter", 13);
+  expect(&f, "COMMAND_Verb", FRAY_VERB_ZERO);
+  expect(&f, "COMMAND_Argument", 0xCAFEF00DLL);
+  const codec_ack ack = {13, FRAY_VERB_RESET, FRAY_RESULT_UNKNOWN, 0x87654321};
+  codec_encode_ack(&f, 0, &ack);
+  expect(&f, "ACK_CRC", f.data[0]);
+  expect(&f, "ACK_Counter", 1);
+  expect(&f, "ACK_CommandCounter", 13);
+  expect(&f, "ACK_Verb", FRAY_VERB_RESET);
+  expect(&f, "ACK_Result", FRAY_RESULT_UNKNOWN);
+  expect(&f, "ACK_Tick", 0x87654321LL);
+}
+
+static void tear_signals(void) {
+  frame f;
+  const codec_tear tear = {CODEC_TEAR_STRUCTURAL, 0xFEDC, 0x12345678};
+  codec_encode_tear(&f, 0, &tear);
+  expect(&f, "TEAR_Kind", CODEC_TEAR_STRUCTURAL);
+  expect(&f, "TEAR_More", 0xFEDC);
+  expect(&f, "TEAR_Element", 0x12345678);
+}
+
+static void status_signals(void) {
+  static const char *const FAULTS[] = {"STATUS_StaleLeft", "STATUS_StaleRight",
+                                       "STATUS_ContactsFull", "STATUS_CutsWait",
+                                       "STATUS_LeftWorld"};
+  static const uint16_t BITS[] = {FRAY_FAULT_STALE_LEFT, FRAY_FAULT_STALE_RIGHT,
+                                  FRAY_FAULT_CONTACTS_FULL, FRAY_FAULT_CUTS_WAIT,
+                                  FRAY_FAULT_LEFT_WORLD};
+  frame f;
+  for (int n = 0; n < 5; ++n) {
+    const codec_status status = {FRAY_SAFE, 93, BITS[n], 0xABCD, 0x1234};
+    codec_encode_status(&f, 0, &status);
+    for (int m = 0; m < 5; ++m) expect(&f, FAULTS[m], m == n);
+  }
+  expect(&f, "STATUS_State", FRAY_SAFE);
+  expect(&f, "STATUS_PoolFill", 93);
+  expect(&f, "STATUS_Overruns", 0xABCD);
+  expect(&f, "STATUS_Tears", 0x1234);
+}
+
+/* Runs after the tests above. */
+static void every_signal_was_checked(void) {
+  for (int n = 0; n < signal_count; ++n) {
+    if (signals[n].used == 0) printf("%s\n", signals[n].name);
+    CHECK(signals[n].used > 0);
+  }
+}
+
+static void scales_and_ranges(void) {
+  int poses = 0, forces = 0;
+  for (int n = 0; n < signal_count; ++n) {
+    const signal *s = &signals[n];
+    const double scale = strtod(s->scale, NULL);
+    if (s->sign != '-') {
+      CHECK_TEXT(s->scale, "1");
+      CHECK(s->most <= (double)((1ULL << s->bits) - 1) && s->least >= 0);
+      continue;
+    }
+    CHECK_EQ_INT(s->bits, 16);
+    CHECK(s->least / scale == -32768.0 && s->most / scale == 32767.0);
+    if (strcmp(s->unit, "um") == 0) {
+      CHECK(scale == (double)DICTIONARY_POSE_UM);
+      poses += 1;
+    } else {
+      CHECK_TEXT(s->unit, "mN");
+      CHECK(scale * 1000.0 == (double)DICTIONARY_FORCE_UN);
+      forces += 1;
+    }
+  }
+  CHECK_EQ_INT(poses, 6);
+  CHECK_EQ_INT(forces, 6);
+}
+
+static void values(int value, const char *line_start, const char *name) {
+  char wanted[64];
+  const char *line = strstr(text, line_start);
+  CHECK(line != NULL);
+  if (line == NULL) return;
+  snprintf(wanted, sizeof wanted, " %d \"%s\"", value, name);
+  const char *found = strstr(line, wanted);
+  if (found == NULL || memchr(line, '\n', (size_t)(found - line)) != NULL) {
+    printf("%s has no%s\n", line_start, wanted);
+    CHECK(0);
+  }
+}
+
+static void names_of_values(void) {
+  static const char *const VERBS[] = {"VAL_ 16 COMMAND_Verb", "VAL_ 17 ACK_Verb"};
+  for (int n = 0; n < 2; ++n) {
+    values(FRAY_VERB_START, VERBS[n], "START");
+    values(FRAY_VERB_STOP, VERBS[n], "STOP");
+    values(FRAY_VERB_RESET, VERBS[n], "RESET");
+    values(FRAY_VERB_ZERO, VERBS[n], "ZERO");
+  }
+  values(FRAY_RESULT_OK, "VAL_ 17 ACK_Result", "OK");
+  values(FRAY_RESULT_REFUSED, "VAL_ 17 ACK_Result", "REFUSED");
+  values(FRAY_RESULT_UNKNOWN, "VAL_ 17 ACK_Result", "UNKNOWN");
+  values(CODEC_TEAR_STRUCTURAL, "VAL_ 512 TEAR_Kind", "STRUCTURAL");
+  values(0, "VAL_ 1793 STATUS_State", "INIT");
+  values(FRAY_READY, "VAL_ 1793 STATUS_State", "READY");
+  values(FRAY_OPERATIONAL, "VAL_ 1793 STATUS_State", "OPERATIONAL");
+  values(FRAY_SAFE, "VAL_ 1793 STATUS_State", "SAFE");
+  values(1, "VAL_ 1793 STATUS_StaleLeft", "STALE_LEFT");
+  values(1, "VAL_ 1793 STATUS_StaleRight", "STALE_RIGHT");
+  values(1, "VAL_ 1793 STATUS_ContactsFull", "CONTACTS_FULL");
+  values(1, "VAL_ 1793 STATUS_CutsWait", "CUTS_WAIT");
+  values(1, "VAL_ 1793 STATUS_LeftWorld", "LEFT_WORLD");
+}
+
+int main(int argc, char **argv) {
+  read_dbc(argc > 1 ? argv[1] : "rt/wire/fray.dbc");
+  TEST(messages_are_the_dictionary);
+  TEST(sync_signals);
+  TEST(hand_signals);
+  TEST(command_and_ack_signals);
+  TEST(tear_signals);
+  TEST(status_signals);
+  TEST(every_signal_was_checked);
+  TEST(scales_and_ranges);
+  TEST(names_of_values);
+  return test_end();
+}

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The same projections in float, as a yardstick: every structural link of a world, one after the
+ * other, on an array of structures. PLAIN takes them in the grid's order, COLOURED in four
+ * colours (even and odd links of wefts and warps), so that neighbours do not wait for each other. */
+#ifndef FRAY_BENCH_FLOAT_LOOP_H
+#define FRAY_BENCH_FLOAT_LOOP_H
+
+#include <stdint.h>
+
+#include "rt/fray.h"
+
+typedef enum { FLOAT_PLAIN, FLOAT_COLOURED } float_order;
+
+typedef struct {
+  float x, y, z, weight;
+} float_particle;
+
+typedef struct {
+  float_particle *particles;
+  uint32_t *i, *j;
+  float *rest;
+  uint32_t rows;
+} float_loop;
+
+int float_loop_open(float_loop *f, const fray_world *world, float_order order);
+void float_loop_sweep(float_loop *f);
+void float_loop_close(float_loop *f);
+
+#endif

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* fray_tick() with a clock around every stage: the same source, compiled a second time. */
+#ifndef FRAY_BENCH_TIMED_TICK_H
+#define FRAY_BENCH_TIMED_TICK_H
+
+#include "rt/fray.h"
+
+#define TIMED_STAGES(X) \
+  X(DEVICES, "devices") X(DAMP, "damp") X(SPRINGS, "springs") X(GATHER, "gather") \
+  X(PREDICT, "predict") X(STRAIN, "strain") X(COLLIDE, "collide") X(TEAR, "tear") \
+  X(CUT, "cut") X(FINISH, "finish") X(FORCE, "force") X(REPORT, "report and hash")
+
+typedef enum {
+#define X(name, label) TIMED_##name,
+  TIMED_STAGES(X)
+#undef X
+  TIMED_COUNT
+} timed_stage;
+
+extern const char *const timed_labels[TIMED_COUNT];
+extern double timed_ns[TIMED_COUNT]; /* since the caller last cleared it */
+
+double timed_now_ns(void);
+void timed_tick(fray_world *world, const fray_input *input, fray_output *output);
+
+#endif

@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A scene on its way to an image: the tables that later stages of the compiler need.
+ * Stages, in order: scale (units), shape (bodies, crossings, who is held), order (levels, particle
+ * numbers, rows in batches), fill (the world), settle (the test run). Integers only. */
+#ifndef FRAY_BUILD_DRAFT_H
+#define FRAY_BUILD_DRAFT_H
+
+#include "rt/model/world.h"
+#include "tools/build/build.h"
+
+typedef struct {
+  uint32_t kind;      /* BATCH_HELD, BATCH_FREE, BATCH_IDLE: the order of stepping */
+  uint32_t least, sum; /* of its ends' levels */
+  uint32_t colour;
+  uint32_t canonical;
+  uint32_t i, j;      /* particles */
+} draft_row;
+
+typedef struct {
+  const scene *scene;
+  const char *file;
+  scene_error *error;
+
+  weave grid;
+  uint32_t crossings;
+  uint32_t substeps, sweeps;
+  uint32_t lu_um;
+  exact lu_per_cm;
+  uint32_t shift;            /* direction_shift */
+  int32_t spacing[2];        /* Q24 lu along wefts, along warps */
+  exact particle_mass;       /* g */
+
+  vec3 *place;               /* crossing -> Q24 lu */
+  uint8_t *holder;           /* crossing -> body, or DRAFT_FREE */
+  uint32_t *level;           /* crossing -> steps from the nearest held crossing */
+  uint32_t *particle;        /* crossing -> particle */
+  uint32_t *crossing;        /* particle -> crossing */
+  uint32_t held;
+  uint32_t bodies;           /* the scene's, and one anchor if it pins anything */
+  body body[LIMIT_BODIES];
+  draft_row *rows;
+  uint32_t family_rows[3];
+  row_batch *batches;
+  uint32_t family_batches[3];
+  uint32_t batch_count;
+} draft;
+
+enum { DRAFT_FREE = 255 };
+
+/* Each returns 1, or 0 with the error filled. */
+int draft_scale(draft *d);
+int draft_bodies(draft *d);
+int draft_crossings(draft *d);
+int draft_order(draft *d);
+int draft_rows(draft *d);
+int draft_params(const draft *d, params *p);
+int draft_classes(const draft *d, link_class *links, spring_class *springs);
+
+/* Always 0: fills the error. `line` 0 when it is about no place in particular. */
+int draft_refuse(const draft *d, int line, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+/* a, in centimetres, to Q24 lu; refuses what lies outside of the world. */
+int draft_length(const draft *d, int line, exact centimetres, int32_t *lu);
+int draft_place(const draft *d, int line, const exact at[3], vec3 *place);
+
+#endif

@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Crossings held where they are. A pin may stand before the sheet, so its last row or column is
+ * filled in when the grid is known. */
+#include "tools/build/parser.h"
+
+/* The grid's last row or column. */
+#define LAST UINT32_MAX
+
+static const value_range index_range = {UNIT_NONE, "0", "1023"};
+
+static int read_index(parser *p, uint32_t *index) {
+  return value_read_count(p, &index_range, index);
+}
+
+/* first and last name the grid's borders; a number is a row or a column of its own. */
+static int read_line(parser *p, const char *first, const char *last, uint32_t *least,
+                     uint32_t *most) {
+  const token *t = &p->lexer.token;
+  if (value_here(p) && value_number_here(p)) {
+    if (!read_index(p, least)) return 0;
+    *most = *least;
+    return 1;
+  }
+  if (!value_here(p) || (!lexer_is(t, first) && !lexer_is(t, last))) {
+    return parser_expected(p, "%s, %s or a number for 'pin'", first, last);
+  }
+  *least = *most = lexer_is(t, first) ? 0 : LAST;
+  lexer_next(&p->lexer);
+  return 1;
+}
+
+static int read_block(parser *p, scene_pin *pin) {
+  if (!read_index(p, &pin->i0) || !read_index(p, &pin->i1)) return 0;
+  if (!read_index(p, &pin->j0) || !read_index(p, &pin->j1)) return 0;
+  if (pin->i0 > pin->i1 || pin->j0 > pin->j1) {
+    return parser_fail(p, p->key_place, "found a block that ends before it begins, expected "
+                       "'pin block' FIRST_WARP LAST_WARP FIRST_WEFT LAST_WEFT");
+  }
+  return 1;
+}
+
+int pins_read(parser *p, const block_key *key, void *target) {
+  static const char *const kinds[] = {"row", "column", "crossing", "block"};
+  scene *out = (scene *)target;
+  int kind, good = 0;
+  (void)key;
+  if (out->pin_count == SCENE_PINS) {
+    return parser_fail(p, p->key_place, "found one pin more, expected at most %d in a scene",
+                       SCENE_PINS);
+  }
+  scene_pin *pin = &out->pins[out->pin_count];
+  pin->line = p->key_place.line;
+  pin->column = p->key_place.column;
+  pin->i0 = pin->j0 = 0;
+  pin->i1 = pin->j1 = LAST;
+  if (!value_read_choice(p, kinds, 4, &kind)) return 0;
+  switch (kind) {
+    case 0: good = read_line(p, "top", "bottom", &pin->j0, &pin->j1); break;
+    case 1: good = read_line(p, "left", "right", &pin->i0, &pin->i1); break;
+    case 2:
+      good = read_index(p, &pin->i0) && read_index(p, &pin->j0);
+      pin->i1 = pin->i0;
+      pin->j1 = pin->j0;
+      break;
+    case 3: good = read_block(p, pin); break;
+  }
+  if (good) out->pin_count++;
+  return good;
+}
+
+static void resolve(uint32_t *index, uint32_t count) {
+  if (*index == LAST) *index = count - 1;
+}
+
+int pins_resolve(parser *p) {
+  scene *out = p->out;
+  uint32_t warps = out->sheet.warps, wefts = out->sheet.wefts;
+  for (uint32_t k = 0; k < out->pin_count; k++) {
+    scene_pin *pin = &out->pins[k];
+    resolve(&pin->i0, warps);
+    resolve(&pin->i1, warps);
+    resolve(&pin->j0, wefts);
+    resolve(&pin->j1, wefts);
+    if (pin->i1 < warps && pin->j1 < wefts) continue;
+    parser_place place = {pin->line, pin->column};
+    return parser_fail(p, place,
+                       "found a pin at warp %u, weft %u, expected it inside the grid: warps 0 to "
+                       "%u, wefts 0 to %u",
+                       (unsigned)pin->i1, (unsigned)pin->j1, (unsigned)warps - 1u,
+                       (unsigned)wefts - 1u);
+  }
+  return 1;
+}

@@ -1,0 +1,221 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Units: the size of an lu, masses, gains, and every scalar of the world. */
+#include <stdarg.h>
+#include <stdio.h>
+
+#include "tools/build/draft.h"
+
+int draft_refuse(const draft *d, int line, const char *format, ...) {
+  va_list list;
+  scene_error *e = d->error;
+  snprintf(e->file, sizeof e->file, "%s", d->file);
+  e->line = line;
+  e->column = 0;
+  va_start(list, format);
+  vsnprintf(e->message, sizeof e->message, format, list);
+  va_end(list);
+  return 0;
+}
+
+int draft_length(const draft *d, int line, exact centimetres, int32_t *lu) {
+  int64_t fixed;
+  const int fits = exact_to_fixed(exact_mul(centimetres, d->lu_per_cm), FX_POSITION_BITS, &fixed);
+  if (!fits || fixed > FX_WORLD_MAX || fixed < -FX_WORLD_MAX)
+    return draft_refuse(d, line, "a length outside of the world: it spans %u cm around the origin, "
+                        "because yarns are this close", 120u * d->lu_um / 10000u);
+  *lu = (int32_t)fixed;
+  return 1;
+}
+
+int draft_place(const draft *d, int line, const exact at[3], vec3 *place) {
+  return draft_length(d, line, at[0], &place->x) && draft_length(d, line, at[1], &place->y) &&
+         draft_length(d, line, at[2], &place->z);
+}
+
+/* The smallest lu in which the wider spacing is at most 1/8 lu. */
+int draft_scale(draft *d) {
+  static const uint32_t sizes_um[] = {50,   100,  200,   500,   1000,
+                                      2000, 5000, 10000, 20000, 50000};
+  const exact wide = exact_compare(d->scene->sheet.warp_spacing, d->scene->sheet.weft_spacing) > 0
+                         ? d->scene->sheet.warp_spacing
+                         : d->scene->sheet.weft_spacing;
+  const int line = d->scene->sheet.line;
+  uint32_t n = 0;
+  while (n < 10 && exact_compare(exact_mul(wide, exact_make(10000, sizes_um[n])),
+                                 exact_make(1, 8)) > 0)
+    ++n;
+  if (n == 10) return draft_refuse(d, line, "spacing: expected at most 6.25 mm between yarns");
+  d->lu_um = sizes_um[n];
+  d->lu_per_cm = exact_make(10000, d->lu_um);
+  if (!draft_length(d, line, d->scene->sheet.warp_spacing, &d->spacing[0]) ||
+      !draft_length(d, line, d->scene->sheet.weft_spacing, &d->spacing[1]))
+    return 0;
+  const int32_t longest = fx_max(d->spacing[0], d->spacing[1]);
+  d->shift = 1;
+  while (d->shift < 12 && longest > LINK_UNITS_MAX << d->shift) ++d->shift;
+  if (fx_min(d->spacing[0], d->spacing[1]) < LINK_UNITS_MIN << d->shift)
+    return draft_refuse(d, line, "spacing: expected warp and weft spacings within a factor of 4");
+  d->particle_mass = exact_mul(d->scene->sheet.density, exact_mul(d->scene->sheet.warp_spacing,
+                                                                  d->scene->sheet.weft_spacing));
+  return 1;
+}
+
+/* value * 2^shift in [least, most], or an error that names the key. */
+static int word(const draft *d, const char *key, exact value, unsigned shift, int64_t least,
+                int64_t most, int32_t *out) {
+  int64_t fixed;
+  if (!exact_to_fixed(value, shift, &fixed) || fixed < least || fixed > most)
+    return draft_refuse(d, d->scene->sheet.line,
+                        "%s: the value is too large or too small at %u Hz with %u substeps", key,
+                        d->scene->rate_hz, d->substeps);
+  *out = (int32_t)fixed;
+  return 1;
+}
+
+/* Q28 per substep, each substep: whole part and 2^-32 of it. */
+static int gravity_word(const draft *d, exact cm_s2, int32_t *whole, int32_t *rest) {
+  const int64_t per_second = (int64_t)d->scene->rate_hz * d->substeps;
+  const exact lu = exact_mul(cm_s2, d->lu_per_cm);
+  const exact step = exact_div(exact_div(lu, exact_make(per_second, 1)), exact_make(per_second, 1));
+  int64_t fixed;
+  if (!exact_to_fixed(step, 60, &fixed) || fixed < -((int64_t)1 << 55) || fixed > (int64_t)1 << 55)
+    return draft_refuse(d, 0, "gravity: too strong for %u Hz with %u substeps", d->scene->rate_hz,
+                        d->substeps);
+  *whole = (int32_t)fx_asr64(fixed, 32);
+  *rest = (int32_t)(uint32_t)((uint64_t)fixed & 0xFFFFFFFFu);
+  return 1;
+}
+
+/* force [0.5 mN] = impulse * 2^-28 * R, R = m lu n F^2 / 50 (rt/stage/force.c): R with 23 bits. */
+static int force_words(const draft *d, params *p) {
+  const int64_t rate = d->scene->rate_hz;
+  exact r = exact_div(exact_mul(d->particle_mass, exact_make((int64_t)d->substeps * rate, 1)),
+                      d->lu_per_cm);
+  r = exact_mul(r, exact_make(rate, 50));
+  int32_t shift = 28;
+  int64_t fixed;
+  while (exact_to_fixed(r, (unsigned)(shift - 28), &fixed) && fixed < 1 << 22 && shift < 62)
+    ++shift;
+  if (!exact_to_fixed(r, (unsigned)(shift - 28), &fixed) || fixed < 1 || fixed > 1 << 23)
+    return draft_refuse(d, d->scene->sheet.line,
+                        "density: a particle's mass does not fit the range of forces");
+  p->force_gain = (int32_t)fixed;
+  p->force_shift = shift;
+  return 1;
+}
+
+static int ticks(const draft *d, const char *key, exact seconds, int32_t *out) {
+  return word(d, key, exact_mul(seconds, exact_make(d->scene->rate_hz, 1)), 0, 1, 10000, out);
+}
+
+static int hand_words(const draft *d, params *p) {
+  const scene *s = d->scene;
+  const exact rate = exact_make(s->rate_hz, 1);
+  const exact steps = exact_make(2000, 1); /* 0.5 mN in a newton */
+  int32_t force_rate = 0;
+  for (uint32_t n = 0; n < s->body_count; ++n)
+    if (s->bodies[n].motion == FRAY_HAND) p->hands |= 1 << s->bodies[n].hand;
+  p->stale_ticks = 3;
+  p->arm_poses = 16;
+  const exact lu_per_step = exact_make(2, d->lu_um);
+  if (!word(d, "hands", lu_per_step, FX_POSITION_BITS + 8, 1, INT32_MAX, &p->pose_gain) ||
+      !word(d, "speed", exact_div(exact_mul(s->hands.speed, d->lu_per_cm), rate),
+            FX_POSITION_BITS, 1, 1 << 28, &p->hand_speed) ||
+      !word(d, "force_limit", exact_mul(s->hands.force_limit, steps), 0, 0, 32767,
+            &p->force_clamp) ||
+      !word(d, "force_rate", exact_div(exact_mul(s->hands.force_rate, steps), rate), 0, 0,
+            INT32_MAX, &force_rate))
+    return 0;
+  p->force_rate = fx_clamp(force_rate, 1, 32767);
+  return ticks(d, "ramp", s->hands.ramp, &p->ramp_ticks) &&
+         ticks(d, "fade", s->hands.fade, &p->fade_ticks) && force_words(d, p);
+}
+
+static void weave_words(const scene *s, params *p) {
+  uint64_t bits = 0;
+  for (uint32_t r = 0; r < s->sheet.weave_rows; ++r)
+    for (uint32_t c = 0; c < s->sheet.weave_columns; ++c)
+      if (s->sheet.weave[r][c] != 0) bits |= (uint64_t)1 << (r * 8u + c);
+  p->weave_columns = (int32_t)s->sheet.weave_columns;
+  p->weave_rows = (int32_t)s->sheet.weave_rows;
+  p->weave_low = (int32_t)(uint32_t)(bits & 0xFFFFFFFFu);
+  p->weave_high = (int32_t)(uint32_t)(bits >> 32);
+}
+
+static int sheet_words(const draft *d, params *p) {
+  const scene *s = d->scene;
+  const exact rate = exact_make(s->rate_hz, 1);
+  weave_words(s, p);
+  p->tearing = s->sheet.tearing;
+  p->tear_mirrored = s->sheet.tear_mirrored;
+  p->cuts_max = (int32_t)s->limits.cuts_per_tick;
+  p->seed = (int32_t)s->seed;
+  p->contact_margin = fx_min(d->spacing[0], d->spacing[1]);
+  return word(d, "drag", exact_div(s->sheet.drag, rate), 24, 0, 1 << 24, &p->drag) &&
+         word(d, "damping", exact_div(s->sheet.damping, rate), 24, 0, 1 << 24,
+              &p->relative_damping) &&
+         word(d, "tear", s->sheet.tear_min, 16, 0, 1 << 18, &p->tear_min) &&
+         word(d, "tear", s->sheet.tear_max, 16, 0, 1 << 18, &p->tear_max) &&
+         word(d, "thickness", exact_mul(s->sheet.thickness, d->lu_per_cm), FX_POSITION_BITS, 0,
+              FX_LU, &p->thickness) &&
+         word(d, "density", exact_mul(d->particle_mass, exact_make(1000000000, 1)), 0, 1,
+              INT32_MAX, &p->particle_mass_ng);
+}
+
+int draft_params(const draft *d, params *p) {
+  const scene *s = d->scene;
+  p->rate_hz = (int32_t)s->rate_hz;
+  p->substeps = (int32_t)d->substeps;
+  p->sweeps = (int32_t)d->sweeps;
+  p->warps = (int32_t)d->grid.warps;
+  p->wefts = (int32_t)d->grid.wefts;
+  p->lu_um = (int32_t)d->lu_um;
+  p->held = (int32_t)d->held;
+  p->particles = (int32_t)d->crossings;
+  p->links = (int32_t)d->family_rows[FRAY_STRUCTURAL];
+  p->bends = (int32_t)d->family_rows[FRAY_BEND];
+  p->shears = (int32_t)d->family_rows[FRAY_SHEAR];
+  p->link_batches = (int32_t)d->family_batches[FRAY_STRUCTURAL];
+  p->bend_batches = (int32_t)d->family_batches[FRAY_BEND];
+  p->shear_batches = (int32_t)d->family_batches[FRAY_SHEAR];
+  p->bodies = (int32_t)d->bodies;
+  p->direction_shift = (int32_t)d->shift;
+  return gravity_word(d, s->gravity[0], &p->gravity_x, &p->gravity_rest_x) &&
+         gravity_word(d, s->gravity[1], &p->gravity_y, &p->gravity_rest_y) &&
+         gravity_word(d, s->gravity[2], &p->gravity_z, &p->gravity_rest_z) &&
+         sheet_words(d, p) && hand_words(d, p);
+}
+
+/* dv = k/m T h per length, Q28. */
+static int spring_gain(const draft *d, const char *key, exact k, int32_t *gain) {
+  const int64_t rate = d->scene->rate_hz;
+  const exact per_tick = exact_div(exact_div(k, d->particle_mass), exact_make(rate * rate, 1));
+  return word(d, key, exact_div(per_tick, exact_make(d->substeps, 1)), FX_VELOCITY_BITS, 0,
+              (1 << 27) - 1, gain);
+}
+
+/* 2 k h^2 / m in Q12, at most a whole projection. */
+static int push_share(const draft *d, int32_t *push) {
+  const int64_t per_second = (int64_t)d->scene->rate_hz * d->substeps;
+  const exact twice = exact_mul(exact_div(d->scene->sheet.structural, d->particle_mass),
+                                exact_make(2, per_second));
+  const exact share = exact_div(twice, exact_make(per_second, 1));
+  *push = 4096;
+  return exact_compare(share, exact_make(1, 1)) >= 0 ||
+         word(d, "structural", share, 12, 0, 4096, push);
+}
+
+int draft_classes(const draft *d, link_class *links, spring_class *springs) {
+  int32_t push;
+  if (!push_share(d, &push)) return 0;
+  for (uint32_t axis = 0; axis < 2; ++axis) {
+    links[1 + axis] = link_class_make(d->spacing[axis], push, d->shift);
+    springs[1 + axis].rest = 2 * d->spacing[axis];
+    if (!spring_gain(d, "bend", d->scene->sheet.bend, &springs[1 + axis].gain)) return 0;
+  }
+  const uint64_t diagonal2 = (uint64_t)((int64_t)d->spacing[0] * d->spacing[0]) +
+                             (uint64_t)((int64_t)d->spacing[1] * d->spacing[1]);
+  springs[3].rest = (int32_t)exact_sqrt(diagonal2);
+  springs[3].compression_only = 1;
+  return spring_gain(d, "shear", d->scene->sheet.shear, &springs[3].gain);
+}

@@ -1,0 +1,177 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The test run of Metaaphanon 2009, section 4.1: the simulation "without tearing forces" (hands
+ * and paths at rest, nothing thrown, nothing torn), to find the work that keeps every spring below
+ * the least tearing strain. Tries more and more substeps, or sweeps, whichever the scene leaves
+ * open; a try ends as soon as a spring exceeds the bound. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "tools/build/draft.h"
+#include "tools/build/settle.h"
+
+enum { SETTLE_DRAG = 30 /* 1/s */ };
+
+static const uint32_t ladder[] = {1, 2, 3, 4, 6, 8, 10, 12, 16, 20, 24, 28, 32, 40, 48, 64, 96, 128};
+
+/* Largest (length / rest)^2 - 1 over all links in Q16, exact enough: 2^-16 of rest^2. */
+static int64_t largest_elongation(const fray_world *w, const uint8_t *idle) {
+  const fray_particles p = fray_view_particles(w);
+  int64_t most = 0;
+  for (uint32_t row = 0; row < (uint32_t)w->params->links; ++row) {
+    if (idle[row] != 0 || w->row_class[row] == ROW_DEAD) continue;
+    const uint32_t i = w->row_i[row];
+    const uint32_t j = w->row_j[row];
+    const vec3 d = vec_make(fx_sub(p.x[j], p.x[i]), fx_sub(p.y[j], p.y[i]), fx_sub(p.z[j], p.z[i]));
+    const int64_t rest = w->links[w->row_class[row]].rest;
+    const int64_t rest2 = rest * rest;
+    const uint64_t n = vec_squared(d);
+    const int64_t bounded = n > (uint64_t)rest2 * 4u ? rest2 * 4 : (int64_t)n;
+    const int64_t over = (bounded - rest2) / (rest2 >> 16);
+    if (over > most) most = over;
+  }
+  return most;
+}
+
+/* Kinetic and potential energy of the free particles in units of m (lu/substep)^2, Q32. */
+static int64_t energy(const fray_world *w) {
+  const fray_facts f = fray_describe(w);
+  int64_t total = 0;
+  for (uint32_t p = (uint32_t)w->params->held; p < (uint32_t)w->params->particles; ++p) {
+    const int64_t v[3] = {w->vx[p], w->vy[p], w->vz[p]};
+    const int64_t at[3] = {w->x[p], w->y[p], w->z[p]};
+    for (uint32_t n = 0; n < 3; ++n) {
+      total += fx_asr64(v[n], 12) * fx_asr64(v[n], 12) / 2;            /* Q16 squared */
+      const int64_t g = (int64_t)f.gravity[n] * 256 + (f.gravity_rest[n] >> 24); /* Q36 */
+      total -= fx_asr64(fx_asr64(at[n], 8) * g, 20);                 /* Q16 Q36 to Q32 */
+    }
+  }
+  return total;
+}
+
+/* sqrt(1 + e) - 1 in Q16, from e in Q16. */
+static int32_t strain_of(int64_t elongation_q16) {
+  return (int32_t)exact_sqrt((uint64_t)(65536 + elongation_q16) << 16) - 65536;
+}
+
+typedef struct {
+  int good;          /* bound held over the whole run */
+  int32_t strain_q16;
+  int energy_grew;
+} trial;
+
+static void mark_idle(const fray_world *w, uint8_t *idle) {
+  for (uint32_t b = 0; b < (uint32_t)w->params->link_batches; ++b)
+    for (int32_t n = 0; n < w->batches[b].count; ++n)
+      idle[w->batches[b].first + n] = w->batches[b].held == BATCH_IDLE;
+}
+
+static void run_trial(fray_world *w, const settle_plan *plan, uint8_t *idle, trial *t) {
+  const fray_input nothing = {0, {{0, 0, 0, 0, 0}, {0, 0, 0, 0, 0}}, 0, 0};
+  fray_output out;
+  mark_idle(w, idle);
+  const int64_t before = energy(w);
+  /* a fall of the whole sheet by half a spacing: what start-up transients may add */
+  const int64_t allowance =
+      fx_clamp64((int64_t)w->params->particles * fx_magnitude(w->params->gravity_y) / 64, 64,
+                 INT64_MAX);
+  for (uint32_t tick = 0; tick < plan->ticks; ++tick) {
+    fray_tick(w, &nothing, &out);
+    const int32_t strain = strain_of(largest_elongation(w, idle));
+    if (strain > t->strain_q16) t->strain_q16 = strain;
+    if (t->strain_q16 >= plan->strain_max_q16) return;
+    if (plan->progress != NULL && tick % 32 == 0)
+      plan->progress(plan->context, (uint32_t)w->params->substeps, (uint32_t)w->params->sweeps,
+                     tick, plan->ticks);
+  }
+  t->energy_grew = energy(w) > before + allowance;
+  t->good = !t->energy_grew;
+}
+
+/* The scene at rest: paths and thrown bodies stand still, nothing tears. */
+static void still_scene(const scene *s, scene *still) {
+  *still = *s;
+  still->sheet.tearing = 0;
+  for (uint32_t n = 0; n < still->body_count; ++n) {
+    scene_body *b = &still->bodies[n];
+    if (b->motion == FRAY_PATH || (b->motion == FRAY_FREE && !b->has_grip)) b->motion = FRAY_FIXED;
+  }
+}
+
+/* Lets everything come to rest in thick air, then takes all motion away. */
+static void come_to_rest(fray_world *w, const settle_plan *plan) {
+  const fray_input nothing = {0, {{0, 0, 0, 0, 0}, {0, 0, 0, 0, 0}}, 0, 0};
+  fray_output out;
+  params *p = (params *)(uintptr_t)w->params;
+  const int32_t drag = p->drag;
+  p->drag = fx_max(drag, fx_min(1 << 23, (1 << 24) / p->rate_hz * SETTLE_DRAG));
+  for (uint32_t tick = 0; tick < plan->rest_ticks; ++tick) {
+    fray_tick(w, &nothing, &out);
+    if (plan->progress != NULL && tick % 32 == 0)
+      plan->progress(plan->context, (uint32_t)p->substeps, (uint32_t)p->sweeps, tick,
+                     plan->rest_ticks + plan->ticks);
+  }
+  p->drag = drag;
+  const size_t words = (size_t)p->particles * sizeof(int32_t);
+  memset(w->vx, 0, words);
+  memset(w->vy, 0, words);
+  memset(w->vz, 0, words);
+}
+
+static int keep_rest(const fray_world *w, settle_rest *rest) {
+  const size_t bytes = (size_t)w->params->particles * sizeof(int32_t);
+  const int32_t *const axes[3] = {w->x, w->y, w->z};
+  for (uint32_t n = 0; n < 3; ++n) {
+    free(rest->particles[n]);
+    rest->particles[n] = malloc(bytes);
+    if (rest->particles[n] == NULL) return 0;
+    memcpy(rest->particles[n], axes[n], bytes);
+  }
+  for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
+    memcpy(rest->bodies[b], w->body_states[b].position, sizeof rest->bodies[b]);
+  return 1;
+}
+
+static int try_once(const scene *still, const settle_plan *plan, uint32_t substeps, uint32_t sweeps,
+                    trial *t, settle_rest *rest, scene_error *error) {
+  fray_world *w = NULL;
+  void *memory = NULL;
+  t->good = 0;
+  t->strain_q16 = 0;
+  t->energy_grew = 0;
+  if (!fill_world(still, plan->file, substeps, sweeps, &memory, &w, error)) return 0;
+  uint8_t *idle = calloc((size_t)w->params->links, 1);
+  int kept = idle != NULL;
+  if (kept) {
+    come_to_rest(w, plan);
+    kept = keep_rest(w, rest);
+  }
+  if (kept && plan->ticks > 0) run_trial(w, plan, idle, t);
+  free(idle);
+  free(memory);
+  return kept;
+}
+
+int settle_scene(const scene *s, const settle_plan *plan, build_report *report, settle_rest *rest,
+                 scene_error *error) {
+  scene *still = malloc(sizeof *still);
+  if (still == NULL) return 0;
+  still_scene(s, still);
+  trial t = {0, 0, 0};
+  int built = 1;
+  for (uint32_t n = 0; n < sizeof ladder / sizeof ladder[0] && built && !t.good; ++n) {
+    report->substeps = s->substeps != 0 ? s->substeps : ladder[n];
+    report->sweeps = s->sweeps != 0 ? s->sweeps : (s->substeps != 0 ? ladder[n] : 1);
+    built = try_once(still, plan, report->substeps, report->sweeps, &t, rest, error);
+    t.good = t.good || !report->searched;
+    ++report->tries;
+  }
+  free(still);
+  report->strain_q16 = t.strain_q16;
+  if (!built) return 0;
+  if (t.good) return 1;
+  scene_refuse(error, plan->file, s->sheet.line,
+               t.energy_grew ? "the test run gains energy; expected a scene that comes to rest"
+                             : "no number of substeps to 128 keeps the sheet below rest_strain; "
+                               "expected a lighter load or a higher rate");
+  return 0;
+}

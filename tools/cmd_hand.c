@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* fray hand: a simulated two-handed device that follows a script; in this version into a log. */
+#include "tools/cmd_hand.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "rt/wire/codec.h"
+#include "tools/open.h"
+#include "tools/record.h"
+#include "tools/script.h"
+
+enum { EXIT_GOOD = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
+
+static void print_usage(FILE *out) {
+  fputs("usage: fray hand -o OUT.log X.hand\n"
+        "\n"
+        "Writes what a two-handed device would send that follows the script X.hand: a log in the\n"
+        "format of `candump -L`, the same on every machine, for `fray run --log`.\n"
+        "\n"
+        "  rate 1000 Hz          poses a second (default 1000)\n"
+        "  seed 7                of the noise (default 1)\n"
+        "  noise 4 um            on each axis (default none)\n"
+        "  instance 0            which runtime on the bus, 0 to 7 (default 0)\n"
+        "  duration 5 s\n"
+        "  command 0.1 s start   start, stop, reset or zero\n"
+        "  left { 0 s 0 0 0 mm  5 s -25 2 0 mm }    keys: time, x y z; right likewise\n"
+        "\n"
+        "exit: 0 written, 1 writing failed, 2 wrong use or input\n",
+        out);
+}
+
+/* The 4-bit counter of the n-th message, from 1: a port has seen 0 before the first. */
+static uint8_t counter_of(uint32_t n) { return (uint8_t)((n + 1u) & 15u); }
+
+static int write_frame(FILE *out, const script *s, uint32_t tick, const frame *f) {
+  return candump_write(out, RECORD_INTERFACE, record_time_us(tick, s->rate_hz), f);
+}
+
+static int write_script(FILE *out, const script *s) {
+  const uint32_t ticks = script_ticks(s);
+  uint32_t commands = 0;
+  frame f;
+  for (uint32_t tick = 0; tick < ticks; ++tick) {
+    while (commands < s->commands &&
+           script_tick_at(s, s->command[commands].time_us) == tick) {
+      const codec_command command = {counter_of(commands), (uint8_t)s->command[commands].verb, 0};
+      codec_encode_command(&f, s->instance, &command);
+      if (!write_frame(out, s, tick, &f)) return 0;
+      commands += 1;
+    }
+    for (uint32_t hand = 0; hand < FRAY_HANDS; ++hand) {
+      if (s->keys[hand] == 0) continue;
+      fray_pose pose = script_pose(s, hand, tick);
+      pose.counter = counter_of(tick);
+      codec_encode_pose(&f, s->instance, hand, &pose);
+      if (!write_frame(out, s, tick, &f)) return 0;
+    }
+  }
+  return 1;
+}
+
+static int write_log(const char *path, const script *s) {
+  FILE *out = fopen(path, "wb");
+  if (out == NULL) {
+    perror(path);
+    return EXIT_FAILED;
+  }
+  int good = write_script(out, s);
+  good = fclose(out) == 0 && good;
+  if (good) return EXIT_GOOD;
+  fprintf(stderr, "%s: writing failed\n", path);
+  return EXIT_FAILED;
+}
+
+static int read_script(const char *path, script *s) {
+  candump_error error;
+  size_t bytes = 0;
+  uint8_t *text = world_read_file(path, &bytes, stderr);
+  if (text == NULL) return 0;
+  const int good = script_parse(path, (const char *)text, bytes, s, &error);
+  if (!good) candump_print_error(stderr, &error);
+  free(text);
+  return good;
+}
+
+int cmd_hand(int argc, char **argv) {
+  const char *out_file = NULL, *script_file = NULL;
+  for (int n = 1; n < argc; ++n) {
+    if (strcmp(argv[n], "--help") == 0 || strcmp(argv[n], "-h") == 0) {
+      print_usage(stdout);
+      return EXIT_GOOD;
+    }
+    if (strcmp(argv[n], "-o") == 0 && n + 1 < argc && out_file == NULL) {
+      out_file = argv[++n];
+    } else if (argv[n][0] != '-' && script_file == NULL) {
+      script_file = argv[n];
+    } else {
+      fprintf(stderr, "fray hand: unexpected argument '%s'\n", argv[n]);
+      print_usage(stderr);
+      return EXIT_USAGE;
+    }
+  }
+  if (out_file == NULL || script_file == NULL) {
+    fprintf(stderr, "fray hand: expected -o OUT.log and a script\n");
+    print_usage(stderr);
+    return EXIT_USAGE;
+  }
+  script *s = malloc(sizeof *s);
+  if (s == NULL) {
+    fprintf(stderr, "fray hand: not enough memory\n");
+    return EXIT_FAILED;
+  }
+  const int code = read_script(script_file, s) ? write_log(out_file, s) : EXIT_USAGE;
+  free(s);
+  return code;
+}

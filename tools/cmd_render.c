@@ -1,0 +1,266 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* fray render: pictures of a run at given times, and all of them on one sheet. */
+#include "tools/cmd_render.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tools/progress.h"
+#include "tools/render/album.h"
+#include "tools/session.h"
+
+enum { EXIT_GOOD = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
+enum { DEFAULT_FRAMES = 8 };
+enum { SIDE_MIN = 64, SIDE_MAX = 4096 };
+
+typedef struct {
+  const char *file, *log, *folder;
+  const char *at;      /* list of times */
+  double every_s;      /* 0: not given */
+  double length_s;     /* 0: not given */
+  uint32_t width, height, instance;
+  float yaw, pitch;
+  int has_view, strain, help;
+} options;
+
+typedef struct {
+  const options *o;
+  session s;
+  uint32_t start, end;   /* ticks computed: at the start, and where the run ends */
+  uint32_t *ticks;       /* of the pictures, rising */
+  size_t count;
+} render_job;
+
+static void print_usage(FILE *out) {
+  fputs("usage: fray render X.scene|X.img [options]\n"
+        "\n"
+        "Runs a scene or image and writes DIR/frame_<ticks>.png and DIR/sheet.png (all of them).\n"
+        "\n"
+        "  --log IN.log          the inputs: a device log or a recording (candump -L)\n"
+        "  --instance N          which runtime in the log, 0 to 7 (default 0)\n"
+        "  --at 0.5s,1s,2500ms   times of the pictures\n"
+        "  --every 100ms         or: one at the start and every so often\n"
+        "  --for 2s              how long to run (default: the log's length, or 1 s)\n"
+        "  --size 1280x960       pixels\n"
+        "  --view YAW,PITCH      degrees to the right and up (default: chosen from the scene)\n"
+        "  --strain              colour by strain: blue slack, white at rest, red about to tear\n"
+        "  -o DIR                default out/render\n"
+        "\n"
+        "exit: 0 written, 1 writing failed, 2 wrong use or input\n",
+        out);
+}
+
+/* `2.5s`, `100ms`; a unit is needed. Returns the seconds and moves *text on, or -1. */
+static double parse_time(const char **text) {
+  char *end;
+  const double value = strtod(*text, &end);
+  if (end == *text || !(value >= 0.0) || value > 1e6) return -1.0;
+  double scale = 0.0;
+  if (end[0] == 's') scale = 1.0;
+  if (end[0] == 'm' && end[1] == 's') scale = 1e-3;
+  if (scale == 0.0) return -1.0;
+  *text = end + (scale == 1.0 ? 1 : 2);
+  return value * scale;
+}
+
+static int parse_one_time(const char *option, const char *text, double *out) {
+  const char *rest = text;
+  *out = parse_time(&rest);
+  if (*out > 0.0 && *rest == 0) return 1;
+  fprintf(stderr, "fray render: %s %s, expected a time as 100ms or 2.5s\n", option, text);
+  return 0;
+}
+
+static int parse_size(const char *text, options *o) {
+  unsigned w = 0, h = 0;
+  char rest;
+  if (sscanf(text, "%5ux%5u%c", &w, &h, &rest) == 2 && w >= SIDE_MIN && h >= SIDE_MIN &&
+      w <= SIDE_MAX && h <= SIDE_MAX) {
+    o->width = w;
+    o->height = h;
+    return 1;
+  }
+  fprintf(stderr, "fray render: --size %s, expected WIDTHxHEIGHT, %d to %d each\n", text,
+          (int)SIDE_MIN, (int)SIDE_MAX);
+  return 0;
+}
+
+static int parse_view(const char *text, options *o) {
+  char rest;
+  o->has_view = 1;
+  if (sscanf(text, "%f,%f%c", &o->yaw, &o->pitch, &rest) == 2 && fabsf(o->yaw) <= 360.0f &&
+      fabsf(o->pitch) <= 89.0f) {
+    return 1;
+  }
+  fprintf(stderr, "fray render: --view %s, expected YAW,PITCH in degrees, pitch -89 to 89\n", text);
+  return 0;
+}
+
+/* An option with a value. Returns 1, 0 after a message, -1: not such an option. */
+static int parse_value(const char *name, const char *value, options *o) {
+  if (strcmp(name, "--log") == 0) return o->log = value, 1;
+  if (strcmp(name, "--at") == 0) return o->at = value, 1;
+  if (strcmp(name, "-o") == 0) return o->folder = value, 1;
+  if (strcmp(name, "--every") == 0) return parse_one_time(name, value, &o->every_s);
+  if (strcmp(name, "--for") == 0) return parse_one_time(name, value, &o->length_s);
+  if (strcmp(name, "--size") == 0) return parse_size(value, o);
+  if (strcmp(name, "--view") == 0) return parse_view(value, o);
+  if (strcmp(name, "--instance") != 0) return -1;
+  o->instance = (uint32_t)(value[0] - '0');
+  if (value[0] >= '0' && value[0] <= '7' && value[1] == 0) return 1;
+  fprintf(stderr, "fray render: --instance %s, expected 0 to 7\n", value);
+  return 0;
+}
+
+static int parse_options(int argc, char **argv, options *o) {
+  *o = (options){.folder = "out/render", .width = 1280, .height = 960};
+  for (int n = 1; n < argc; n++) {
+    const char *a = argv[n];
+    if (strcmp(a, "--help") == 0 || strcmp(a, "-h") == 0) {
+      o->help = 1;
+      return 1;
+    }
+    if (strcmp(a, "--strain") == 0) {
+      o->strain = 1;
+      continue;
+    }
+    const int taken = a[0] == '-' && n + 1 < argc ? parse_value(a, argv[n + 1], o) : -1;
+    if (taken == 0) return 0;
+    if (taken == 1) {
+      n++;
+    } else if (a[0] != '-' && !o->file) {
+      o->file = a;
+    } else {
+      fprintf(stderr, "fray render: unexpected argument '%s'\n", a);
+      return 0;
+    }
+  }
+  if (!o->file) fprintf(stderr, "fray render: expected a scene or an image\n");
+  if (o->at && o->every_s > 0.0) {
+    fprintf(stderr, "fray render: --at and --every exclude each other\n");
+    return 0;
+  }
+  return o->file != NULL;
+}
+
+static int add_tick(render_job *job, double tick) {
+  if (job->count == ALBUM_PICTURES_MAX) {
+    fprintf(stderr, "fray render: more than %d pictures\n", (int)ALBUM_PICTURES_MAX);
+    return 0;
+  }
+  /* Capped just past every possible end: the caller compares with it. */
+  job->ticks[job->count++] = tick < 4e9 ? (uint32_t)(tick + 0.5) : UINT32_MAX;
+  return 1;
+}
+
+static int tick_order(const void *a, const void *b) {
+  const uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+  return x < y ? -1 : x > y;
+}
+
+static int take_at(render_job *job) {
+  for (const char *text = job->o->at;;) {
+    const double seconds = parse_time(&text);
+    if (seconds < 0.0 || (*text != 0 && *text != ',')) {
+      fprintf(stderr, "fray render: --at %s, expected times as 0.5s,1s,2500ms\n", job->o->at);
+      return 0;
+    }
+    if (!add_tick(job, seconds * job->s.facts.rate_hz)) return 0;
+    if (*text == 0) break;
+    text++;
+  }
+  qsort(job->ticks, job->count, sizeof *job->ticks, tick_order);
+  size_t kept = 0;
+  for (size_t n = 0; n < job->count; n++)
+    if (kept == 0 || job->ticks[n] != job->ticks[kept - 1]) job->ticks[kept++] = job->ticks[n];
+  job->count = kept;
+  return 1;
+}
+
+/* Which ticks, and how long to run. A tick number counts ticks computed: 0 is the start. */
+static int plan(render_job *job) {
+  const options *o = job->o;
+  const double rate = job->s.facts.rate_hz;
+  double length = o->log ? (double)job->s.log.count : rate;
+  if (o->at && !take_at(job)) return 0;
+  if (o->at && !o->log) length = (double)job->ticks[job->count - 1] - (double)job->start;
+  if (o->length_s > 0.0) length = o->length_s * rate;
+  if (o->log && length > (double)job->s.log.count) {
+    fprintf(stderr, "fray render: --for %gs, but the log has %" PRIu32 " ticks\n", o->length_s,
+            job->s.log.count);
+    return 0;
+  }
+  job->end = job->start + (length > 0.0 ? (uint32_t)fmin(length + 0.5, 1e9) : 0);
+  if (!o->at) {
+    double step = o->every_s > 0.0 ? o->every_s * rate : length / DEFAULT_FRAMES;
+    if (step < 1.0) step = 1.0;
+    for (double t = 0.0; t <= length + 1e-6; t += step)
+      if (!add_tick(job, job->start + t)) return 0;
+  }
+  for (size_t n = 0; n < job->count; n++) {
+    if (job->ticks[n] >= job->start && job->ticks[n] <= job->end) continue;
+    fprintf(stderr, "fray render: tick %" PRIu32 " is outside the run, expected %" PRIu32
+            " to %" PRIu32 "\n", job->ticks[n], job->start, job->end);
+    return 0;
+  }
+  return 1;
+}
+
+static int run_world(render_job *job, album *pictures) {
+  uint32_t tick = job->start;
+  for (size_t n = 0; n < job->count; n++) {
+    for (; tick < job->ticks[n]; tick++) {
+      fray_output output;
+      fray_tick(job->s.opened.world, session_input(&job->s, tick - job->start), &output);
+      progress_show("run", tick - job->start, job->end - job->start);
+    }
+    if (!album_add(pictures, job->s.opened.world)) {
+      fprintf(stderr, "fray render: not enough memory for %zu pictures\n", job->count);
+      return 0;
+    }
+  }
+  progress_end();
+  return 1;
+}
+
+static int render_world(render_job *job) {
+  const options *o = job->o;
+  const album_style style = {o->folder, o->width, o->height, o->has_view, o->yaw, o->pitch,
+                             o->strain};
+  album pictures;
+  int code = EXIT_FAILED;
+  album_open(&pictures);
+  job->start = job->s.facts.tick;
+  job->ticks = calloc(ALBUM_PICTURES_MAX, sizeof *job->ticks);
+  if (job->ticks != NULL) {
+    if (!plan(job))
+      code = EXIT_USAGE;
+    else if (run_world(job, &pictures) && album_write(&pictures, &style))
+      code = EXIT_GOOD;
+  }
+  if (code == EXIT_GOOD) printf("%zu pictures and sheet.png in %s\n", job->count, o->folder);
+  free(job->ticks);
+  album_close(&pictures);
+  return code;
+}
+
+int cmd_render(int argc, char **argv) {
+  options o;
+  render_job job = {.o = &o};
+  if (!parse_options(argc, argv, &o)) {
+    print_usage(stderr);
+    return EXIT_USAGE;
+  }
+  if (o.help) {
+    print_usage(stdout);
+    return EXIT_GOOD;
+  }
+  const int opened = session_open(&job.s, o.file, o.log, o.instance);
+  if (opened != 0) return opened;
+  const int code = render_world(&job);
+  session_close(&job.s);
+  return code;
+}

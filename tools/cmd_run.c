@@ -1,0 +1,214 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* fray run: steps a world through a log, records the bus, and reports. */
+#include "tools/cmd_run.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tools/options.h"
+#include "tools/pieces.h"
+#include "tools/progress.h"
+#include "tools/record.h"
+#include "tools/render/album.h"
+#include "tools/render/report_run.h"
+#include "tools/session.h"
+
+enum { DEFAULT_TICKS = 1000, PICTURES = 9, PATH_ROOM = 1024 };
+
+typedef struct {
+  const char *file, *log, *record, *report, *save;
+  uint32_t ticks, instance;
+} run_options;
+
+typedef struct {
+  const run_options *o;
+  session s;
+  uint32_t ticks;      /* to run */
+  FILE *out;           /* the recording, or NULL */
+  record recording;
+  run_trace trace;
+  album pictures;
+  fray_output last;
+  uint32_t first_cut;  /* tick, or UINT32_MAX */
+  uint16_t faults;     /* of all ticks */
+} run_job;
+
+static void print_usage(FILE *out) {
+  fprintf(out,
+          "usage: fray run X.scene|X.img [--log IN.log] [options]\n\n"
+          "Steps a world. Its inputs are the POSE and COMMAND frames of a log: a device log, by\n"
+          "their times, or a recording, by its SYNCs.\n\n"
+          "  --log FILE       inputs (candump -L); without it nothing moves the hands\n"
+          "  --ticks N        how many ticks (default: the log's, or %d)\n"
+          "  --record FILE    writes the bus as a candump log that `fray verify` accepts\n"
+          "  --report DIR     pictures, plots of forces and work, summary.txt\n"
+          "  --save FILE      writes the last state as an image\n"
+          "  --instance N     which runtime on the bus, 0 to 7 (default 0)\n\n"
+          "The last line is `hash <16 hex> ticks <n> tears <n> pieces <n> faults <n>`.\n\n"
+          "exit: 0 good, 1 the run failed, 2 wrong use or unreadable input\n",
+          DEFAULT_TICKS);
+}
+
+static int fail(const char *path) {
+  fprintf(stderr, "%s: cannot be written: %s\n", path, strerror(errno));
+  return 0;
+}
+
+static int begin(run_job *j) {
+  const fray_facts *f = &j->s.facts;
+  j->ticks = j->o->ticks != 0 ? j->o->ticks : (j->o->log != NULL ? j->s.log.count : DEFAULT_TICKS);
+  j->first_cut = UINT32_MAX;
+  run_trace_open(&j->trace, f->rate_hz, f->hands);
+  album_open(&j->pictures);
+  if (j->o->record != NULL) {
+    j->out = fopen(j->o->record, "w");
+    if (j->out == NULL) return fail(j->o->record);
+    record_begin(&j->recording, j->out, j->o->instance, f->hands, f->rate_hz, f->tick,
+                 fray_hash(j->s.opened.world));
+  }
+  return 1;
+}
+
+/* Pictures at even distances, and one when the sheet begins to tear. */
+static int take_picture(run_job *j, uint32_t n, int tore_first) {
+  const uint32_t step = j->ticks / (PICTURES - 1) > 0 ? j->ticks / (PICTURES - 1) : 1;
+  if (j->o->report == NULL || (n % step != 0 && n != j->ticks && !tore_first)) return 1;
+  if (n + step > j->ticks && n != j->ticks && !tore_first) return 1;
+  if (album_add(&j->pictures, j->s.opened.world)) return 1;
+  fprintf(stderr, "fray run: not enough memory for pictures\n");
+  return 0;
+}
+
+static int step(run_job *j, uint32_t n) {
+  const fray_input *input = session_input(&j->s, n);
+  fray_tick(j->s.opened.world, input, &j->last);
+  j->faults |= j->last.faults;
+  const int tore_first = j->first_cut == UINT32_MAX && j->last.work.cuts != 0;
+  if (tore_first) j->first_cut = j->last.tick;
+  if (j->o->report != NULL) run_trace_add(&j->trace, &j->last);
+  if (j->out != NULL && !record_tick(&j->recording, input, &j->last)) return fail(j->o->record);
+  return take_picture(j, n + 1, tore_first);
+}
+
+static int run(run_job *j) {
+  char what[64];
+  if (!take_picture(j, 0, 0)) return 0;
+  for (uint32_t n = 0; n < j->ticks; ++n) {
+    if (!step(j, n)) return 0;
+    snprintf(what, sizeof what, "run: %u springs cut", j->last.cuts_total);
+    progress_show(what, n + 1, j->ticks);
+  }
+  progress_end();
+  if (j->out == NULL) return 1;
+  const int good = record_end(&j->recording);
+  const int closed = fclose(j->out) == 0;
+  j->out = NULL;
+  return (good && closed) || fail(j->o->record);
+}
+
+static int save(const run_job *j) {
+  const size_t bytes = fray_save_bytes(j->s.opened.world);
+  void *image = malloc(bytes);
+  FILE *out = fopen(j->o->save, "wb");
+  int good = image != NULL && out != NULL && fray_save(j->s.opened.world, image, bytes) == bytes &&
+             fwrite(image, 1, bytes, out) == bytes;
+  if (out != NULL) good = (fclose(out) == 0) && good;
+  free(image);
+  return good || fail(j->o->save);
+}
+
+static void print_pieces(const run_job *j, FILE *out, const piece *pieces, uint32_t count) {
+  fprintf(out, "pieces       %u\n", count);
+  for (uint32_t n = 0; n < count && n < 8; ++n) {
+    fprintf(out, "             %u crossings, ", pieces[n].crossings);
+    if (pieces[n].holders == 0) fprintf(out, "loose");
+    for (uint32_t b = 0; b < j->s.facts.bodies; ++b)
+      if ((pieces[n].holders >> b & 1u) != 0) fprintf(out, "held by body %u ", b);
+    fprintf(out, "\n");
+  }
+}
+
+static void print_summary(const run_job *j, FILE *out, const piece *pieces, uint32_t count) {
+  const fray_facts *f = &j->s.facts;
+  const fray_work most = fray_limits(j->s.opened.world);
+  fprintf(out, "scene        %s\n", j->o->file);
+  fprintf(out, "rate         %u Hz, %u substeps, %u sweeps\n", f->rate_hz, f->substeps, f->sweeps);
+  fprintf(out, "ticks        %u (%.3f s)\n", j->ticks, (double)j->ticks / f->rate_hz);
+  if (j->first_cut != UINT32_MAX)
+    fprintf(out, "first tear   tick %u (%.3f s)\n", j->first_cut,
+            (double)j->first_cut / f->rate_hz);
+  fprintf(out, "springs cut  %u of %u\n", j->last.cuts_total, f->rows[FRAY_STRUCTURAL]);
+  print_pieces(j, out, pieces, count);
+  fprintf(out, "faults       0x%02X%s%s%s\n", j->faults,
+          (j->faults & FRAY_FAULT_CUTS_WAIT) != 0 ? ", cuts waited (cuts_per_tick)" : "",
+          (j->faults & FRAY_FAULT_CONTACTS_FULL) != 0 ? ", contacts full (limits contacts)" : "",
+          (j->faults & FRAY_FAULT_LEFT_WORLD) != 0 ? ", held back at the edge of the world" : "");
+  fprintf(out, "work bound   %u projections, %u predictions, %u contact tests a tick\n",
+          most.projections, most.predictions, most.contacts);
+}
+
+static int write_summary(const run_job *j, const piece *pieces, uint32_t count) {
+  char path[PATH_ROOM];
+  snprintf(path, sizeof path, "%s/summary.txt", j->o->report);
+  FILE *out = fopen(path, "w");
+  if (out == NULL) return fail(path);
+  print_summary(j, out, pieces, count);
+  return fclose(out) == 0 || fail(path);
+}
+
+static int write_report(const run_job *j, const piece *pieces, uint32_t count) {
+  char path[PATH_ROOM];
+  const album_style style = {j->o->report, 1280, 960, 0, 0.0f, 0.0f, 0};
+  if (!album_write(&j->pictures, &style)) return 0;
+  if (j->s.facts.hands != 0) {
+    snprintf(path, sizeof path, "%s/forces.png", j->o->report);
+    if (!plot_forces_write(&j->trace, path)) return fail(path);
+  }
+  snprintf(path, sizeof path, "%s/work.png", j->o->report);
+  if (!plot_work_write(&j->trace, path)) return fail(path);
+  return write_summary(j, pieces, count);
+}
+
+static int finish(run_job *j) {
+  piece pieces[8];
+  const uint32_t count = pieces_find(j->s.opened.world, pieces, 8);
+  if (j->o->save != NULL && !save(j)) return 0;
+  if (j->o->report != NULL && !write_report(j, pieces, count)) return 0;
+  print_summary(j, stdout, pieces, count);
+  printf("hash %016" PRIx64 " ticks %u tears %u pieces %u faults %u\n",
+         fray_hash(j->s.opened.world), j->ticks, j->last.cuts_total, count, j->faults);
+  return 1;
+}
+
+int cmd_run(int argc, char **argv) {
+  run_options o;
+  run_job *j = calloc(1, sizeof *j);
+  memset(&o, 0, sizeof o);
+  const option table[] = {
+      {"--log", &o.log, NULL, NULL, 0, 0},       {"--ticks", NULL, &o.ticks, NULL, 1, 1u << 26},
+      {"--record", &o.record, NULL, NULL, 0, 0}, {"--report", &o.report, NULL, NULL, 0, 0},
+      {"--save", &o.save, NULL, NULL, 0, 0},     {"--instance", NULL, &o.instance, NULL, 0, 7}};
+  const options_result wish = options_parse(argc, argv, table, 6, &o.file);
+  int code = 2;
+  if (wish == OPTIONS_HELP || (wish == OPTIONS_GOOD && o.file == NULL)) {
+    print_usage(wish == OPTIONS_HELP ? stdout : stderr);
+    code = wish == OPTIONS_HELP ? 0 : 2;
+  } else if (wish == OPTIONS_GOOD && j != NULL) {
+    j->o = &o;
+    code = session_open(&j->s, o.file, o.log, o.instance);
+    if (code == 0) {
+      code = (o.report == NULL || album_make_folder(o.report)) && begin(j) && run(j) && finish(j)
+                 ? 0
+                 : 1;
+      run_trace_close(&j->trace);
+      album_close(&j->pictures);
+      if (j->out != NULL) fclose(j->out);
+      session_close(&j->s);
+    }
+  }
+  free(j);
+  return code;
+}

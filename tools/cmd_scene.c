@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* fray scene: compiles a text scene to an image, or to a C array for firmware. */
+#include "tools/cmd_scene.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tools/open.h"
+#include "tools/options.h"
+
+static void print_usage(FILE *out) {
+  fprintf(out,
+          "usage: fray scene X.scene [-o X.img] [--emit-c NAME]\n\n"
+          "Compiles a scene to an image. Where the scene leaves substeps or sweeps open, finds\n"
+          "them by test runs and prints them. The same scene gives the same bytes everywhere.\n\n"
+          "  -o FILE         where the image goes (default: the scene's name with .img)\n"
+          "  --emit-c NAME   writes a C array `NAME` instead of the bytes\n\n"
+          "exit: 0 good, 1 writing failed, 2 wrong use or unreadable input\n");
+}
+
+static int write_c(FILE *out, const char *name, const uint8_t *image, size_t bytes) {
+  fprintf(out, "#include <stdint.h>\n\nextern const uint8_t %s[%zu];\n"
+          "_Alignas(16) const uint8_t %s[%zu] = {", name, bytes, name, bytes);
+  for (size_t n = 0; n < bytes; ++n) fprintf(out, "%s%u,", n % 24 == 0 ? "\n" : "", image[n]);
+  fprintf(out, "\n};\n");
+  return !ferror(out);
+}
+
+static int write_image(const char *path, const char *name, const uint8_t *image, size_t bytes) {
+  FILE *out = fopen(path, "wb");
+  int good = out != NULL;
+  if (good) {
+    good = name != NULL ? write_c(out, name, image, bytes) : fwrite(image, 1, bytes, out) == bytes;
+    good = (fclose(out) == 0) && good;
+  }
+  if (!good) fprintf(stderr, "%s: cannot be written: %s\n", path, strerror(errno));
+  return good;
+}
+
+static void default_name(const char *from, char *to, size_t room) {
+  snprintf(to, room - 4, "%s", from);
+  char *dot = strrchr(to, '.');
+  if (dot != NULL && strchr(dot, '/') == NULL) *dot = 0;
+  strcat(to, ".img");
+}
+
+int cmd_scene(int argc, char **argv) {
+  const char *file = NULL;
+  const char *output = NULL;
+  const char *array = NULL;
+  const option table[] = {{"-o", &output, NULL, NULL, 0, 0}, {"--emit-c", &array, NULL, NULL, 0, 0}};
+  const options_result wish = options_parse(argc, argv, table, 2, &file);
+  if (wish == OPTIONS_HELP || file == NULL) {
+    print_usage(wish == OPTIONS_HELP ? stdout : stderr);
+    return wish == OPTIONS_HELP ? 0 : 2;
+  }
+  if (wish == OPTIONS_WRONG) return 2;
+  build_report report;
+  size_t bytes = 0;
+  uint8_t *image = world_compile_file(file, &bytes, &report, stderr);
+  if (image == NULL) return 2;
+  char named[4096];
+  default_name(file, named, sizeof named);
+  if (output == NULL) output = named;
+  const int written = write_image(output, array, image, bytes);
+  if (written) {
+    printf("%s: %zu bytes, %u substeps, %u sweeps", output, bytes, report.substeps, report.sweeps);
+    if (report.searched)
+      printf(", found in %u test runs, largest strain at rest %.2f %%", report.tries,
+             report.strain_q16 / 655.36);
+    printf("\n");
+  }
+  free(image);
+  return written ? 0 : 1;
+}

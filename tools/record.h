@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Writes a run as a log of the bus that `fray verify` can check.
+ *
+ * Per tick k: the POSE and COMMAND frames that it was given, with their counters; SYNC k with
+ * the hash before it; then its FORCE, ACK, TEAR and STATUS. A closing SYNC carries the last hash.
+ * Times are made up, 1000000000.000000 s + k / rate rounded up to a microsecond: no clock is
+ * read, so one run gives one log. The interface is vcan0. */
+#ifndef FRAY_TOOLS_RECORD_H
+#define FRAY_TOOLS_RECORD_H
+
+#include <stdint.h>
+#include <stdio.h>
+
+#include "rt/wire/port.h"
+
+#define RECORD_EPOCH_US INT64_C(1000000000000000)
+#define RECORD_INTERFACE "vcan0"
+
+typedef struct {
+  FILE *out;
+  uint32_t rate_hz;
+  uint32_t first, ticks;         /* number of the first tick; ticks written */
+  uint32_t hash;                 /* low 32 bits after the last tick */
+  uint8_t consumed[FRAY_HANDS];
+  uint8_t started;               /* a tick was written: consumed is known */
+  uint8_t failed;
+  port_sender sender;            /* the caller may keep fill_percent and overruns */
+} record;
+
+/* Time of tick `tick` in a made-up log. */
+int64_t record_time_us(uint32_t tick, uint32_t rate_hz);
+
+/* `tick` and `hash`: of the world before the first fray_tick() (fray_describe(), fray_hash()).
+ * `hands`: bit h iff a body follows hand h. The stream stays the caller's. */
+void record_begin(record *r, FILE *out, uint32_t instance, uint32_t hands, uint32_t rate_hz,
+                  uint32_t tick, uint64_t hash);
+
+/* One tick. Returns 0 iff writing failed, or the input cannot be told from the log: a pose with
+ * the counter of the one consumed before it (a port never gives one). */
+int record_tick(record *r, const fray_input *input, const fray_output *output);
+
+/* The closing SYNC. Returns 0 iff something could not be written. */
+int record_end(record *r);
+
+#endif

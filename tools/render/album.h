@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The pictures of one run: moments are kept as they pass, and drawn when all are known, so that
+ * one camera frames them all. */
+#ifndef FRAY_RENDER_ALBUM_H
+#define FRAY_RENDER_ALBUM_H
+
+#include <stddef.h>
+
+#include "tools/render/picture_source.h"
+
+enum { ALBUM_PICTURES_MAX = 5000 };
+
+typedef struct {
+  picture_source *pictures;
+  size_t count, room;
+} album;
+
+typedef struct {
+  const char *folder;
+  uint32_t width, height;
+  int has_view;      /* else chosen from the pictures */
+  float yaw, pitch;  /* degrees */
+  int strain;        /* colour by strain */
+} album_style;
+
+void album_open(album *a);
+/* Keeps the world as it stands. Returns 0 iff memory ran out or the album is full. */
+int album_add(album *a, const fray_world *world);
+/* Writes FOLDER/frame_<ticks>.png and FOLDER/sheet.png with all of them; makes the folder.
+ * Returns 1, or 0 after a message to stderr. */
+int album_write(const album *a, const album_style *style);
+void album_close(album *a);
+
+/* Makes a folder and those above it. Returns 1, or 0 after a message to stderr. */
+int album_make_folder(const char *path);
+
+#endif

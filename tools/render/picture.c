@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "tools/render/picture.h"
+
+#include <errno.h>
+
+#include "tools/render/body_picture.h"
+#include "tools/render/font.h"
+#include "tools/render/light.h"
+
+enum { MAP_SIDE = 1536, SAMPLES = 2 };
+
+picture_style picture_style_default(bounds frame) {
+  return (picture_style){.cloth = cloth_style_default(),
+                         .top = rgb_hex(0xEEF0F2),
+                         .bottom = rgb_hex(0xC9CDD2),
+                         .frame = frame,
+                         .floor = 1};
+}
+
+static float diagonal(bounds b) {
+  const float d = v3_length(v3_sub(b.high, b.low));
+  return isfinite(d) && d > 1.0f ? d : 1.0f;
+}
+
+static void draw_ground(canvas *c, const camera *cam, const lighting *light,
+                        const picture_source *source, const picture_style *style) {
+  const bounds b = style->frame;
+  const float size = diagonal(b);
+  int planes = 0;
+  v3 centre = v3_scale(v3_add(b.low, b.high), 0.5f);
+  for (uint32_t k = 0; k < source->body_count; k++) {
+    const picture_body *body = source->bodies + k;
+    if (body->shape != FRAY_PLANE) continue;
+    planes++;
+    const v3 n = v3_unit(body->axes[1]);
+    const v3 at = v3_along(centre, n, v3_dot(v3_sub(body->position, centre), n));
+    ground_draw(c, cam, light, at, n, 1.6f * size, 10.0f);
+  }
+  if (planes || !style->floor) return;
+  centre.y = b.low.y - 0.03f * size;
+  ground_draw(c, cam, light, centre, (v3){0, 1, 0}, 1.1f * size, 0.0f);
+}
+
+static void draw_strain_key(canvas *c) {
+  const float unit = fmaxf(1.0f, roundf((float)c->width / 640.0f));
+  const float width = 110.0f * unit, height = 6.0f * unit,
+              x = (float)c->width - width - 14.0f * unit;
+  const float y = (float)c->height - 30.0f * unit;
+  const rgb ink = rgb_hex(0x3A4048);
+  for (int k = 0; k < 64; k++) {
+    const float s = (float)k / 64.0f, e = (float)(k + 1) / 64.0f;
+    canvas_box(c, x + s * width, y, x + e * width, y + height,
+               cloth_strain_colour(2.0f * (s + 1.0f / 128.0f) - 1.0f), 1.0f);
+  }
+  font_draw(c, x, y + 9.0f * unit, unit, "slack", ink, FONT_LEFT);
+  font_draw(c, x + 0.5f * width, y + 9.0f * unit, unit, "rest", ink, FONT_CENTRE);
+  font_draw(c, x + width, y + 9.0f * unit, unit, "tears", ink, FONT_RIGHT);
+}
+
+static void draw_text(canvas *c, const picture_style *style) {
+  const float unit = fmaxf(1.0f, roundf((float)c->width / 640.0f));
+  if (style->cloth.strain) draw_strain_key(c);
+  if (!style->caption) return;
+  font_draw(c, 14.0f * unit, (float)c->height - 21.0f * unit, unit, style->caption,
+            rgb_hex(0x3A4048), FONT_LEFT);
+}
+
+int picture_draw(canvas *c, const camera *cam, const picture_source *source,
+                 const picture_style *style) {
+  lighting light;
+  bounds over = picture_source_bounds(source);
+  bounds_join(&over, style->frame);
+  const float texels = 2.0f * diagonal(over) / (0.98f * MAP_SIDE);
+  if (!lighting_open(&light, over, fmaxf(0.7f * source->spacing, texels), MAP_SIDE)) return 0;
+  int good = sheet_picture_draw(&light.map, &light.sun, NULL, source, &style->cloth);
+  for (uint32_t k = 0; k < source->body_count; k++)
+    body_draw(&light.map, &light.sun, NULL, source->bodies + k);
+
+  canvas_fill(c, style->top, style->bottom);
+  draw_ground(c, cam, &light, source, style);
+  for (uint32_t k = 0; k < source->body_count; k++)
+    body_draw(c, cam, &light, source->bodies + k);
+  pins_draw(c, cam, &light, source);
+  good = sheet_picture_draw(c, cam, &light, source, &style->cloth) && good;
+  draw_text(c, style);
+  lighting_close(&light);
+  return good;
+}
+
+int picture_sheet(canvas *c, const camera *cam, const fray_world *world,
+                  const picture_style *style) {
+  picture_source source = {0};
+  const int good = picture_source_read(&source, world) && picture_draw(c, cam, &source, style);
+  picture_source_close(&source);
+  return good;
+}
+
+bounds picture_bounds(const fray_world *world) {
+  picture_source source = {0};
+  bounds b = bounds_none();
+  if (picture_source_read(&source, world)) b = picture_source_bounds(&source);
+  picture_source_close(&source);
+  return b;
+}
+
+int picture_write(const fray_world *world, const camera *cam, const picture_style *style,
+                  uint32_t width, uint32_t height, const char *path) {
+  canvas c;
+  if (!canvas_open(&c, width, height, SAMPLES)) {
+    errno = ENOMEM;
+    return 0;
+  }
+  errno = ENOMEM;
+  const int good = picture_sheet(&c, cam, world, style) && canvas_write(&c, path);
+  canvas_close(&c);
+  return good;
+}

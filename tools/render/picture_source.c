@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "tools/render/picture_source.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+uint32_t picture_springs(uint32_t warps, uint32_t wefts) {
+  return warps && wefts ? wefts * (warps - 1) + warps * (wefts - 1) : 0;
+}
+
+void picture_source_close(picture_source *s) {
+  free(s->crossings);
+  free(s->pinned);
+  free(s->springs);
+  free(s->load);
+  free(s->bodies);
+  memset(s, 0, sizeof *s);
+}
+
+int picture_source_reserve(picture_source *s, uint32_t warps, uint32_t wefts, uint32_t bodies) {
+  if (s->crossings && s->warps == warps && s->wefts == wefts && s->body_count == bodies) return 1;
+  picture_source_close(s);
+  const size_t crossings = (size_t)warps * wefts, springs = picture_springs(warps, wefts);
+  /* One more of each: calloc(0) may return NULL. */
+  s->crossings = calloc(crossings + 1, sizeof *s->crossings);
+  s->pinned = calloc(crossings + 1, sizeof *s->pinned);
+  s->springs = calloc(springs + 1, sizeof *s->springs);
+  s->load = calloc(springs + 1, sizeof *s->load);
+  s->bodies = calloc((size_t)bodies + 1, sizeof *s->bodies);
+  if (!s->crossings || !s->pinned || !s->springs || !s->load || !s->bodies) {
+    picture_source_close(s);
+    return 0;
+  }
+  s->warps = warps;
+  s->wefts = wefts;
+  s->body_count = bodies;
+  return 1;
+}
+
+static v3 in_mm(const int32_t *q24, float mm_per_q24) {
+  return (v3){(float)q24[0] * mm_per_q24, (float)q24[1] * mm_per_q24, (float)q24[2] * mm_per_q24};
+}
+
+static picture_body body_in_mm(const fray_body *b, float mm_per_q24) {
+  const float q30 = 1.0f / 1073741824.0f;
+  picture_body out = {.shape = b->shape, .motion = b->motion, .hand = b->hand};
+  out.radius = (float)b->radius * mm_per_q24;
+  out.half = in_mm(b->half, mm_per_q24);
+  out.position = in_mm(b->position, mm_per_q24);
+  for (int k = 0; k < 3; k++) out.axes[k] = in_mm(b->axes + 3 * k, q30);
+  return out;
+}
+
+static void read_springs(picture_source *s, const fray_world *world, const fray_particles *p,
+                         uint32_t rows, float mm_per_q24) {
+  const uint32_t springs = picture_springs(s->warps, s->wefts);
+  double rest_sum = 0.0;
+  memset(s->springs, SPRING_NONE, springs);
+  for (uint32_t k = 0; k < rows; k++) {
+    const fray_row row = fray_view_row(world, FRAY_STRUCTURAL, k);
+    rest_sum += (double)row.rest;
+    if (row.home >= springs) continue;
+    s->springs[row.home] = row.alive ? SPRING_ALIVE : SPRING_CUT;
+    const double dx = (double)p->x[row.i] - (double)p->x[row.j];
+    const double dy = (double)p->y[row.i] - (double)p->y[row.j];
+    const double dz = (double)p->z[row.i] - (double)p->z[row.j];
+    const double rest = row.rest > 0 ? (double)row.rest : 1.0;
+    const double strain = sqrt(dx * dx + dy * dy + dz * dz) / rest - 1.0;
+    const double limit = row.threshold > 0 ? (double)row.threshold / 65536.0 : 0.1;
+    s->load[row.home] = (float)(strain / limit);
+  }
+  s->spacing = rows ? (float)(rest_sum / rows) * mm_per_q24 : 1.0f;
+}
+
+int picture_source_read(picture_source *s, const fray_world *world) {
+  const fray_facts facts = fray_describe(world);
+  const fray_sheet sheet = fray_view_sheet(world);
+  const fray_particles p = fray_view_particles(world);
+  if (!picture_source_reserve(s, sheet.warps, sheet.wefts, facts.bodies)) return 0;
+  const float mm_per_q24 = (float)facts.lu_um * 1e-3f / 16777216.0f;
+  s->weave_columns = sheet.weave_columns;
+  s->weave_rows = sheet.weave_rows;
+  s->weave = sheet.weave;
+  s->tick = facts.tick;
+  s->rate_hz = facts.rate_hz;
+  for (uint32_t k = 0; k < facts.bodies; k++) {
+    const fray_body b = fray_view_body(world, k);
+    s->bodies[k] = body_in_mm(&b, mm_per_q24);
+  }
+  for (uint32_t k = 0; k < s->warps * s->wefts; k++) {
+    const uint32_t n = fray_particle_at(world, k);
+    if (n >= p.count) continue;
+    const int32_t at[3] = {p.x[n], p.y[n], p.z[n]};
+    s->crossings[k] = in_mm(at, mm_per_q24);
+    const uint32_t holder = n < p.held ? fray_holder(world, n) : UINT32_MAX;
+    s->pinned[k] = holder < s->body_count && s->bodies[holder].shape == FRAY_ANCHOR;
+  }
+  read_springs(s, world, &p, facts.rows[FRAY_STRUCTURAL], mm_per_q24);
+  return 1;
+}
+
+bounds picture_source_bounds(const picture_source *s) {
+  bounds b = bounds_none();
+  for (uint32_t k = 0; k < s->warps * s->wefts; k++) bounds_add(&b, s->crossings[k]);
+  for (uint32_t k = 0; k < s->body_count; k++) {
+    const picture_body *body = s->bodies + k;
+    if (body->shape == FRAY_PLANE || body->shape == FRAY_ANCHOR) continue;
+    const float r = body->shape == FRAY_BOX ? v3_length(body->half)
+                    : body->shape == FRAY_BAR ? body->radius + body->half.x : body->radius;
+    bounds_add(&b, v3_sub(body->position, (v3){r, r, r}));
+    bounds_add(&b, v3_add(body->position, (v3){r, r, r}));
+  }
+  return b;
+}
+
+uint32_t picture_weft_spring(const picture_source *s, uint32_t i, uint32_t j) {
+  return i + 1 < s->warps && j < s->wefts ? j * (s->warps - 1) + i : UINT32_MAX;
+}
+
+uint32_t picture_warp_spring(const picture_source *s, uint32_t i, uint32_t j) {
+  if (i >= s->warps || j + 1 >= s->wefts) return UINT32_MAX;
+  return s->wefts * (s->warps - 1) + j * s->warps + i;
+}
+
+int picture_alive(const picture_source *s, uint32_t spring) {
+  return spring != UINT32_MAX && s->springs[spring] == SPRING_ALIVE;
+}
+
+int picture_cell_closed(const picture_source *s, uint32_t i, uint32_t j) {
+  return i + 1 < s->warps && j + 1 < s->wefts && picture_alive(s, picture_weft_spring(s, i, j)) &&
+         picture_alive(s, picture_weft_spring(s, i, j + 1)) &&
+         picture_alive(s, picture_warp_spring(s, i, j)) &&
+         picture_alive(s, picture_warp_spring(s, i + 1, j));
+}
+
+int picture_warp_over(const picture_source *s, uint32_t i, uint32_t j) {
+  const uint32_t columns = s->weave_columns ? s->weave_columns : 1;
+  const uint32_t rows = s->weave_rows ? s->weave_rows : 1;
+  return (int)(s->weave >> ((j % rows) * 8 + i % columns) & 1u);
+}

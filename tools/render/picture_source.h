@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What a picture needs of a world, in millimetres and floats: the only file of tools/render that
+ * knows rt/fray.h. Tests and drivers may fill it by hand instead. */
+#ifndef FRAY_RENDER_PICTURE_SOURCE_H
+#define FRAY_RENDER_PICTURE_SOURCE_H
+
+#include <stdint.h>
+
+#include "rt/fray.h"
+#include "tools/render/camera.h"
+#include "tools/render/vec3.h"
+
+enum { SPRING_NONE = 0, SPRING_ALIVE = 1, SPRING_CUT = 2 };
+
+typedef struct {
+  fray_shape shape;
+  fray_motion motion;
+  uint32_t hand;
+  float radius;
+  v3 half, axes[3], position;
+} picture_body;
+
+typedef struct {
+  uint32_t warps, wefts;
+  uint32_t weave_columns, weave_rows;
+  uint64_t weave;
+  float spacing;   /* mean rest length */
+  v3 *crossings;   /* [j * warps + i] */
+  uint8_t *pinned; /* per crossing: held in place by an anchor */
+  uint8_t *springs; /* SPRING_*, by canonical number, see fray_sheet */
+  float *load;     /* per spring: strain over the strain at which it is cut; < 0: slack */
+  picture_body *bodies;
+  uint32_t body_count;
+  uint32_t tick, rate_hz;
+} picture_source;
+
+uint32_t picture_springs(uint32_t warps, uint32_t wefts);
+
+/* Both return 0 iff memory ran out. */
+int picture_source_reserve(picture_source *s, uint32_t warps, uint32_t wefts, uint32_t bodies);
+int picture_source_read(picture_source *s, const fray_world *world); /* s zeroed or read before */
+void picture_source_close(picture_source *s);
+
+bounds picture_source_bounds(const picture_source *s);
+
+/* Canonical number of the spring from (i, j) to (i+1, j), and to (i, j+1);
+ * UINT32_MAX outside the grid. */
+uint32_t picture_weft_spring(const picture_source *s, uint32_t i, uint32_t j);
+uint32_t picture_warp_spring(const picture_source *s, uint32_t i, uint32_t j);
+int picture_alive(const picture_source *s, uint32_t spring); /* 0 for UINT32_MAX */
+int picture_cell_closed(const picture_source *s, uint32_t i, uint32_t j);
+int picture_warp_over(const picture_source *s, uint32_t i, uint32_t j);
+
+#endif

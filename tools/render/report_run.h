@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What a run keeps of its outputs for plots: one sample a tick. */
+#ifndef FRAY_RENDER_REPORT_RUN_H
+#define FRAY_RENDER_REPORT_RUN_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "rt/fray.h"
+
+typedef struct {
+  float force[FRAY_HANDS][3]; /* N */
+  fray_work work;
+} run_sample;
+
+typedef struct {
+  run_sample *samples;
+  size_t count, room;
+  uint32_t first_tick, rate_hz;
+  uint32_t hands; /* bit h: hand h is used; others are not plotted */
+  int failed;     /* memory ran out: samples after that are missing */
+} run_trace;
+
+void run_trace_open(run_trace *t, uint32_t rate_hz, uint32_t hands);
+void run_trace_add(run_trace *t, const fray_output *output); /* after every fray_tick() */
+void run_trace_close(run_trace *t);
+
+/* Each writes one PNG. Returns 1, or 0 with errno set (EINVAL: nothing was recorded). Vertical
+ * marks show where springs were cut. */
+int plot_forces_write(const run_trace *t, const char *path); /* N against s, each hand x y z */
+int plot_work_write(const run_trace *t, const char *path);   /* counts per tick against s */
+
+#endif

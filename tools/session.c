@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "tools/session.h"
+
+#include <string.h>
+
+static int read_log(session *s, const char *file, const char *path) {
+  candump_log log;
+  candump_error error;
+  memset(&error, 0, sizeof error);
+  if (!candump_load(path, &log, &error)) {
+    candump_print_error(stderr, &error);
+    return 0;
+  }
+  const replay_setting setting = {s->instance,
+                                  s->facts.hands,
+                                  s->facts.rate_hz,
+                                  {s->facts.consumed[0], s->facts.consumed[1]}};
+  int good = replay_read(path, &log, &setting, &s->log, &error);
+  candump_free(&log);
+  if (!good) {
+    candump_print_error(stderr, &error);
+  } else if (s->log.recording && s->log.first != s->facts.tick) {
+    fprintf(stderr, "%s: starts with tick %u, expected %u as in %s\n", path, s->log.first,
+            s->facts.tick, file);
+    replay_free(&s->log);
+    good = 0;
+  }
+  return good;
+}
+
+int session_open(session *s, const char *file, const char *log, uint32_t instance) {
+  memset(s, 0, sizeof *s);
+  s->instance = instance;
+  const int code = world_open_file(file, &s->opened, stderr);
+  if (code != 0) return code;
+  s->facts = fray_describe(s->opened.world);
+  if (log != NULL && !read_log(s, file, log)) {
+    world_close(&s->opened);
+    return 2;
+  }
+  return 0;
+}
+
+const fray_input *session_input(const session *s, uint32_t n) {
+  static const fray_input nothing;
+  return n < s->log.count ? &s->log.ticks[n].input : &nothing;
+}
+
+void session_close(session *s) {
+  replay_free(&s->log);
+  world_close(&s->opened);
+}
