@@ -5,8 +5,8 @@
  *  position              Q24 lu        +-60 lu       clamped in predict; 4 lu of margin below 2^31
  *  velocity              Q28 lu/sub    +-8 lu        saturated in finish
  *  position remainder    Q28 lu        +-8 LSB       rounding of Q28 to Q24, half away from zero
- *  link direction        Q(24-k) lu    +-32767       k from the longest rest length, saturated
- *  squared link strain   Q15           -7/16..9/16   clamped, see stage/strain.c
+ *  link direction        Q16 lu        +-1/4 lu      saturated; rest lengths are below 1/8 lu
+ *  squared link strain   Q20           -7/16..9/16   clamped, see stage/strain.c
  *  unit vector           Q30           +-1           from fx_rsqrt, error below 2^-28
  *  friction, strain      Q16
  *  gains                 Q28 or stated with the gain
@@ -90,10 +90,10 @@ static inline int64_t fx_asr64(int64_t v, unsigned s) { return v < 0 ? ~(~v >> s
 /* Shift right by s >= 1, round to nearest, halves away from zero: odd-symmetric, so a mirrored
  * input gives the mirrored result. */
 static inline int32_t fx_round(int32_t v, unsigned s) {
-  return fx_asr(fx_add(v, ((int32_t)1 << (s - 1)) - (v < 0)), s);
+  return fx_asr(fx_add(v, fx_asr(v, 31) + ((int32_t)1 << (s - 1))), s);
 }
 static inline int64_t fx_round64(int64_t v, unsigned s) {
-  return fx_asr64(fx_add64(v, ((int64_t)1 << (s - 1)) - (v < 0)), s);
+  return fx_asr64(fx_add64(v, fx_asr64(v, 63) + ((int64_t)1 << (s - 1))), s);
 }
 /* Product of two Q15 values (or Q15 and any Qn), rounded half up: one SIMD instruction wide. */
 static inline int32_t fx_mul_q15(int32_t a, int32_t b) {
@@ -127,16 +127,17 @@ typedef struct {
   unsigned h; /* sqrt(n) = sqrt(m / 2^30) * 2^h */
 } fx_root;
 
-/* Three Newton steps from a chord in two pieces (2.4% off at worst): relative error below 2^-28,
- * measured over the whole range of m in tests/unit. n >= 1. */
-static inline fx_root fx_rsqrt(uint64_t n) {
+/* Newton steps from a chord in two pieces (2.4% off at worst): relative error below 2^-28 after
+ * three (FX_ROOT_FINE), 2^-19 after two (FX_ROOT_COARSE), measured in tests/unit. n >= 1. */
+enum { FX_ROOT_COARSE = 2, FX_ROOT_FINE = 3 };
+static inline fx_root fx_rsqrt(uint64_t n, int steps) {
   const unsigned lz = fx_leading_zeros64(n) & ~1u;
   fx_root r;
   r.m = (uint32_t)((n << lz) >> 32);
   r.h = 31u - (lz >> 1);
   uint64_t y = r.m < 0x80000000u ? 2716337504u - (((uint64_t)r.m * 616403730u) >> 30)
                                  : 1922456487u - (((uint64_t)r.m * 217931629u) >> 30);
-  for (int step = 0; step < 3; ++step) {
+  for (int step = 0; step < steps; ++step) {
     const uint64_t squared = (y * y) >> 31;
     const uint64_t unity = ((uint64_t)r.m * squared) >> 30; /* m * y * y in Q31, near 1 */
     y = (y * (3u * (uint64_t)0x80000000u - unity)) >> 32;

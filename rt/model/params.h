@@ -50,7 +50,6 @@ enum {
   X(gravity_rest_z,     WORD_MIN,   WORD_MAX) \
   X(drag,               0,          1 << 24)   /* Q24 of velocity lost each tick */ \
   X(relative_damping,   0,          1 << 24)   /* Q24 of non-rigid velocity lost each tick */ \
-  X(direction_shift,    1,          12)        /* k: link directions are Q(24-k) */ \
   X(thickness,          0,          1 << 24)   /* Q24 lu */ \
   X(tear_min,           0,          1 << 18)   /* Q16 strain */ \
   X(tear_max,           0,          1 << 18) \

@@ -21,8 +21,11 @@ typedef uint32_t row_id;
 
 enum { ROW_DEAD = 0 };
 
-/* A class of structural links; index 0 stands for dead rows. With R the rest length in units of
- * 2^k (k = direction_shift), 1024..8191: */
+/* Link directions are taken in units of 2^LINK_SHIFT position steps. */
+enum { LINK_SHIFT = 8, LINK_UNITS_MIN = 1024, LINK_UNITS_MAX = 8191 };
+
+/* A class of structural links; index 0 stands for dead rows. R is the rest length in these units,
+ * LINK_UNITS_MIN..MAX. */
 typedef struct {
   int32_t rest;    /* Q24 lu */
   int32_t r2;      /* R^2, from the rest length in full, rounded */
@@ -31,20 +34,19 @@ typedef struct {
   int32_t push;    /* Q12, 0..4096: share of a projection that a compressed link gets */
 } link_class;
 
-enum { LINK_UNITS_MIN = 1024, LINK_UNITS_MAX = 8191 };
-
-/* rest >> k within LINK_UNITS_MIN..MAX, k 1..12. */
-static inline link_class link_class_make(int32_t rest, int32_t push, unsigned k) {
-  const int64_t r2 = fx_round64(fx_mul_wide(rest, rest), 2u * k);
+static inline link_class link_class_make(int32_t rest, int32_t push) {
+  const int64_t r2 = fx_round64(fx_mul_wide(rest, rest), 2 * LINK_SHIFT);
   const link_class c = {rest, (int32_t)r2, (int32_t)(r2 + r2 / 16 * 9),
                         (int32_t)(((int64_t)1 << 36) / (r2 > 0 ? r2 : 1)), push};
   return c;
 }
 
-/* A class of bend or shear springs: dv = gain * (elongation along the spring). */
+/* A class of bend or shear springs: dv = gain * elongation, along the spring, for one tick, in
+ * (lu per substep) per lu; gain = mantissa * 2^-shift, below 1/2. */
 typedef struct {
-  int32_t rest; /* Q24 lu */
-  int32_t gain; /* Q28: (lu per substep) per lu of elongation, for one tick; below 1/2 */
+  int32_t rest;     /* Q24 lu */
+  int32_t mantissa; /* 0, or 2^15..2^16-1 */
+  int32_t shift;    /* 17..46 */
   int32_t compression_only;
 } spring_class;
 

@@ -70,11 +70,10 @@ static int counts_fit(const fray_world *w, fray_error *error) {
 }
 
 static int link_classes_good(const fray_world *w, fray_error *error) {
-  const unsigned k = (unsigned)w->params->direction_shift;
   for (uint32_t n = 1; n < w->capacity[POOL_LINK_CLASSES]; ++n) {
     const link_class *c = &w->links[n];
-    const link_class expected = link_class_make(c->rest, c->push, k);
-    if (c->rest < LINK_UNITS_MIN << k || c->rest > LINK_UNITS_MAX << k)
+    const link_class expected = link_class_make(c->rest, c->push);
+    if (c->rest < LINK_UNITS_MIN << LINK_SHIFT || c->rest > LINK_UNITS_MAX << LINK_SHIFT)
       return bad(error, IN_LINKS, n, "a rest length of 1024 to 8191 direction units");
     if (c->push < 0 || c->push > 4096)
       return bad(error, IN_LINKS, n, "a share of 0 to 4096");
@@ -87,7 +86,8 @@ static int link_classes_good(const fray_world *w, fray_error *error) {
 static int spring_classes_good(const fray_world *w, fray_error *error) {
   for (uint32_t n = 1; n < w->capacity[POOL_SPRING_CLASSES]; ++n) {
     const spring_class *c = &w->springs[n];
-    if (c->rest < 1 || c->rest > 2 * FX_LU || c->gain < 0 || c->gain >= 1 << 27 ||
+    const int gain_good = c->mantissa == 0 || (c->mantissa >= 1 << 15 && c->mantissa < 1 << 16);
+    if (c->rest < 1 || c->rest > 2 * FX_LU || !gain_good || c->shift < 17 || c->shift > 46 ||
         (c->compression_only | 1) != 1)
       return bad(error, IN_SPRINGS, n, "a rest length to 2 lu, a gain below 1/2, a flag of 0 or 1");
   }

@@ -83,7 +83,7 @@ static int32_t ball_depth(vec3 d, int32_t radius, vec3 *normal) {
     *normal = vec_make(0, 1 << 30, 0);
     return radius;
   }
-  const fx_root root = fx_rsqrt(n);
+  const fx_root root = fx_rsqrt(n, FX_ROOT_FINE);
   *normal =
       vec_make(fx_root_unit(root, d.x), fx_root_unit(root, d.y), fx_root_unit(root, d.z));
   return fx_max(0, radius - (int32_t)fx_root_length(root));
@@ -129,7 +129,7 @@ static vec3 friction(vec3 slip, int32_t limit) {
   const uint64_t n = vec_squared(slip);
   if (n == 0) return slip;
   if (n <= (uint64_t)fx_mul_wide(limit, limit)) return slip;
-  const fx_root root = fx_rsqrt(n);
+  const fx_root root = fx_rsqrt(n, FX_ROOT_FINE);
   const vec3 unit = vec_make(fx_root_unit(root, slip.x), fx_root_unit(root, slip.y),
                              fx_root_unit(root, slip.z));
   return vec_scale_unit(unit, limit);

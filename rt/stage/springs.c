@@ -6,19 +6,21 @@
  * half to the body. */
 #include "rt/stage/stage.h"
 
-/* dv of end i in Q28 lu per substep; end j gets the opposite. */
+/* dv of end i in Q28 lu per substep; end j gets the opposite. With s = 1 - rest/|d| in Q28 this is
+ * d * s * gain; rest/|d| is bounded by 8, so that a spring pressed to a point does not explode. */
 static int spring_impulse(const fray_world *w, uint32_t row, const spring_class *c, int32_t dv[3]) {
   const vec3 d = vec_sub(world_position(w, w->row_j[row]), world_position(w, w->row_i[row]));
   const uint64_t n = vec_squared(d);
   const uint64_t rest2 = (uint64_t)fx_mul_wide(c->rest, c->rest);
   if (n == 0 || (c->compression_only != 0 && n >= rest2)) return 0;
-  const fx_root root = fx_rsqrt(n);
-  const vec3 unit = vec_make(fx_root_unit(root, d.x), fx_root_unit(root, d.y),
-                             fx_root_unit(root, d.z));
-  const vec3 longer = vec_sub(d, vec_scale_unit(unit, c->rest));
-  dv[0] = fx_saturate(fx_round64(fx_mul_wide(longer.x, c->gain), FX_POSITION_BITS));
-  dv[1] = fx_saturate(fx_round64(fx_mul_wide(longer.y, c->gain), FX_POSITION_BITS));
-  dv[2] = fx_saturate(fx_round64(fx_mul_wide(longer.z, c->gain), FX_POSITION_BITS));
+  const fx_root root = fx_rsqrt(n, FX_ROOT_COARSE);
+  const uint64_t ratio = ((uint64_t)(uint32_t)c->rest * root.inverse) >> (3u + root.h);
+  const int64_t s = ((int64_t)1 << 28) - (int64_t)(ratio < (8u << 28) ? ratio : 8u << 28);
+  const int64_t share = fx_asr64(fx_mul64(s, c->mantissa), 16);
+  const unsigned down = 8u + (unsigned)c->shift;
+  dv[0] = fx_saturate(fx_round64(fx_mul64(d.x, share), down));
+  dv[1] = fx_saturate(fx_round64(fx_mul64(d.y, share), down));
+  dv[2] = fx_saturate(fx_round64(fx_mul64(d.z, share), down));
   return 1;
 }
 

@@ -14,7 +14,7 @@
  * a compressed link gets that share (`push`) of a projection, at most all of it.
  *
  * Formats: 32-bit products only, good on small targets and wide units. A difference d in Q24 is
- * split into hi, 15 bits in units of 2^k, and the rest lo, so that |d|^2 = hi^2 + 2 hi lo + ... is
+ * split into hi, 15 bits in units of 2^8, and the rest lo, so that |d|^2 = hi^2 + 2 hi lo + ... is
  * known to 2^-24 of r^2 (lo^2 is left out: below 2^-23). Directions use hi alone, lengths both:
  * with 16-bit lengths the rounding alone kept a hanging sheet moving at 3 cm/s. u and f are Q20;
  * one step of f is at most one position step of the correction. The same correction is added to
@@ -30,24 +30,23 @@ enum {
   PSI_2 = 9961       /* 0.152 */
 };
 
-/* One component of d = to - from: hi in units of 2^k, saturated, and what is left. */
+/* One component of d = to - from: hi in units of 2^8, saturated, and what is left. */
 typedef struct {
   int32_t hi, lo;
 } split;
 
-static inline split split_difference(int32_t from, int32_t to, unsigned k) {
+static inline split split_difference(int32_t from, int32_t to) {
   const int32_t d = fx_sub(to, from);
-  const int32_t hi = fx_round(d, k);
-  const split s = {fx_clamp(hi, -HI_MAX, HI_MAX), fx_wrap_sub(d, fx_wrap_shift(hi, k))};
+  const int32_t hi = fx_round(d, LINK_SHIFT);
+  const split s = {fx_clamp(hi, -HI_MAX, HI_MAX), fx_wrap_sub(d, fx_wrap_shift(hi, LINK_SHIFT))};
   return s;
 }
 
 /* f in Q20, -1/6..1/10. */
-static inline int32_t projection_factor(split x, split y, split z, const link_class *c,
-                                        unsigned k) {
+static inline int32_t projection_factor(split x, split y, split z, const link_class *c) {
   const int32_t n = x.hi * x.hi + y.hi * y.hi + z.hi * z.hi; /* below 3 * 2^28 */
   const int32_t cross = x.hi * x.lo + y.hi * y.lo + z.hi * z.lo;
-  const int32_t e = fx_min(n + fx_asr(cross, k - 1u), c->n_max) - c->r2;
+  const int32_t e = fx_min(n + fx_asr(cross, LINK_SHIFT - 1), c->n_max) - c->r2;
   const int32_t u = fx_asr(fx_mul(fx_asr(e + 16, 5), c->inverse) + (1 << 10), 11);
   const int32_t v = fx_max(u, U_LEAST);
   const int32_t v_q15 = fx_asr(v, 5);
@@ -61,23 +60,21 @@ typedef struct {
   const row_id *i, *j;
   const uint8_t *kind;
   const link_class *classes;
-  unsigned k;
 } link_view;
 
 /* Both ends move: equal and opposite. */
 static void project_free(link_view s, uint32_t first, uint32_t end) {
-  const unsigned down = 20u - s.k;
   for (uint32_t row = first; row < end; ++row) {
     if (s.kind[row] == ROW_DEAD) continue;
     const uint32_t i = s.i[row];
     const uint32_t j = s.j[row];
-    const split dx = split_difference(s.x[i], s.x[j], s.k);
-    const split dy = split_difference(s.y[i], s.y[j], s.k);
-    const split dz = split_difference(s.z[i], s.z[j], s.k);
-    const int32_t f = projection_factor(dx, dy, dz, &s.classes[s.kind[row]], s.k);
-    const int32_t cx = fx_round(fx_mul(dx.hi, f), down);
-    const int32_t cy = fx_round(fx_mul(dy.hi, f), down);
-    const int32_t cz = fx_round(fx_mul(dz.hi, f), down);
+    const split dx = split_difference(s.x[i], s.x[j]);
+    const split dy = split_difference(s.y[i], s.y[j]);
+    const split dz = split_difference(s.z[i], s.z[j]);
+    const int32_t f = projection_factor(dx, dy, dz, &s.classes[s.kind[row]]);
+    const int32_t cx = fx_round(fx_mul(dx.hi, f), 20 - LINK_SHIFT);
+    const int32_t cy = fx_round(fx_mul(dy.hi, f), 20 - LINK_SHIFT);
+    const int32_t cz = fx_round(fx_mul(dz.hi, f), 20 - LINK_SHIFT);
     s.x[i] = fx_add(s.x[i], cx);
     s.y[i] = fx_add(s.y[i], cy);
     s.z[i] = fx_add(s.z[i], cz);
@@ -89,18 +86,17 @@ static void project_free(link_view s, uint32_t first, uint32_t end) {
 
 /* End i is carried by a body: end j takes the whole correction, the body gave the momentum. */
 static void project_held(fray_world *w, link_view s, uint32_t first, uint32_t end) {
-  const unsigned down = 19u - s.k;
   for (uint32_t row = first; row < end; ++row) {
     if (s.kind[row] == ROW_DEAD) continue;
     const uint32_t i = s.i[row];
     const uint32_t j = s.j[row];
-    const split dx = split_difference(s.x[i], s.x[j], s.k);
-    const split dy = split_difference(s.y[i], s.y[j], s.k);
-    const split dz = split_difference(s.z[i], s.z[j], s.k);
-    const int32_t f = projection_factor(dx, dy, dz, &s.classes[s.kind[row]], s.k);
-    const int32_t cx = fx_round(fx_mul(dx.hi, f), down);
-    const int32_t cy = fx_round(fx_mul(dy.hi, f), down);
-    const int32_t cz = fx_round(fx_mul(dz.hi, f), down);
+    const split dx = split_difference(s.x[i], s.x[j]);
+    const split dy = split_difference(s.y[i], s.y[j]);
+    const split dz = split_difference(s.z[i], s.z[j]);
+    const int32_t f = projection_factor(dx, dy, dz, &s.classes[s.kind[row]]);
+    const int32_t cx = fx_round(fx_mul(dx.hi, f), 19 - LINK_SHIFT);
+    const int32_t cy = fx_round(fx_mul(dy.hi, f), 19 - LINK_SHIFT);
+    const int32_t cz = fx_round(fx_mul(dz.hi, f), 19 - LINK_SHIFT);
     s.x[j] = fx_sub(s.x[j], cx);
     s.y[j] = fx_sub(s.y[j], cy);
     s.z[j] = fx_sub(s.z[j], cz);
@@ -110,8 +106,7 @@ static void project_held(fray_world *w, link_view s, uint32_t first, uint32_t en
 }
 
 void strain_run(fray_world *w) {
-  const link_view view = {w->x,         w->y,     w->z, w->row_i, w->row_j,
-                          w->row_class, w->links, (unsigned)w->params->direction_shift};
+  const link_view view = {w->x, w->y, w->z, w->row_i, w->row_j, w->row_class, w->links};
   const uint32_t batches = (uint32_t)w->params->link_batches;
   for (int32_t sweep = 0; sweep < w->params->sweeps; ++sweep)
     for (uint32_t b = 0; b < batches; ++b) {

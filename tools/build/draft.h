@@ -26,7 +26,6 @@ typedef struct {
   uint32_t substeps, sweeps;
   uint32_t lu_um;
   exact lu_per_cm;
-  uint32_t shift;            /* direction_shift */
   int32_t spacing[2];        /* Q24 lu along wefts, along warps */
   exact particle_mass;       /* g */
 

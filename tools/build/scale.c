@@ -32,7 +32,8 @@ int draft_place(const draft *d, int line, const exact at[3], vec3 *place) {
          draft_length(d, line, at[2], &place->z);
 }
 
-/* The smallest lu in which the wider spacing is at most 1/8 lu. */
+/* The smallest lu in which the wider spacing has at most LINK_UNITS_MAX direction units: just
+ * below 1/8 lu, and above 1/20 lu by the steps of the table. */
 int draft_scale(draft *d) {
   static const uint32_t sizes_um[] = {50,   100,  200,   500,   1000,
                                       2000, 5000, 10000, 20000, 50000};
@@ -42,19 +43,16 @@ int draft_scale(draft *d) {
   const int line = d->scene->sheet.line;
   uint32_t n = 0;
   while (n < 10 && exact_compare(exact_mul(wide, exact_make(10000, sizes_um[n])),
-                                 exact_make(1, 8)) > 0)
+                                 exact_make(LINK_UNITS_MAX, 1 << 16)) > 0)
     ++n;
-  if (n == 10) return draft_refuse(d, line, "spacing: expected at most 6.25 mm between yarns");
+  if (n == 10) return draft_refuse(d, line, "spacing: expected at most 6.2 mm between yarns");
   d->lu_um = sizes_um[n];
   d->lu_per_cm = exact_make(10000, d->lu_um);
   if (!draft_length(d, line, d->scene->sheet.warp_spacing, &d->spacing[0]) ||
       !draft_length(d, line, d->scene->sheet.weft_spacing, &d->spacing[1]))
     return 0;
-  const int32_t longest = fx_max(d->spacing[0], d->spacing[1]);
-  d->shift = 1;
-  while (d->shift < 12 && longest > LINK_UNITS_MAX << d->shift) ++d->shift;
-  if (fx_min(d->spacing[0], d->spacing[1]) < LINK_UNITS_MIN << d->shift)
-    return draft_refuse(d, line, "spacing: expected warp and weft spacings within a factor of 4");
+  if (fx_min(d->spacing[0], d->spacing[1]) < LINK_UNITS_MIN << LINK_SHIFT)
+    return draft_refuse(d, line, "spacing: expected warp and weft spacings within a factor of 3");
   d->particle_mass = exact_mul(d->scene->sheet.density, exact_mul(d->scene->sheet.warp_spacing,
                                                                   d->scene->sheet.weft_spacing));
   return 1;
@@ -179,19 +177,23 @@ int draft_params(const draft *d, params *p) {
   p->bend_batches = (int32_t)d->family_batches[FRAY_BEND];
   p->shear_batches = (int32_t)d->family_batches[FRAY_SHEAR];
   p->bodies = (int32_t)d->bodies;
-  p->direction_shift = (int32_t)d->shift;
   return gravity_word(d, s->gravity[0], &p->gravity_x, &p->gravity_rest_x) &&
          gravity_word(d, s->gravity[1], &p->gravity_y, &p->gravity_rest_y) &&
          gravity_word(d, s->gravity[2], &p->gravity_z, &p->gravity_rest_z) &&
          sheet_words(d, p) && hand_words(d, p);
 }
 
-/* dv = k/m T h per length, Q28. */
-static int spring_gain(const draft *d, const char *key, exact k, int32_t *gain) {
+/* dv = k/m T h per length, with 16 bits. */
+static int spring_gain(const draft *d, const char *key, exact k, spring_class *c) {
   const int64_t rate = d->scene->rate_hz;
   const exact per_tick = exact_div(exact_div(k, d->particle_mass), exact_make(rate * rate, 1));
-  return word(d, key, exact_div(per_tick, exact_make(d->substeps, 1)), FX_VELOCITY_BITS, 0,
-              (1 << 27) - 1, gain);
+  const exact gain = exact_div(per_tick, exact_make(d->substeps, 1));
+  for (c->shift = 17; c->shift < 46; ++c->shift) {
+    if (!word(d, key, gain, (unsigned)c->shift, 0, 65535, &c->mantissa)) return 0;
+    if (c->mantissa >= 1 << 15) return 1;
+  }
+  c->mantissa = 0; /* too weak to move anything */
+  return 1;
 }
 
 /* 2 k h^2 / m in Q12, at most a whole projection. */
@@ -209,13 +211,13 @@ int draft_classes(const draft *d, link_class *links, spring_class *springs) {
   int32_t push;
   if (!push_share(d, &push)) return 0;
   for (uint32_t axis = 0; axis < 2; ++axis) {
-    links[1 + axis] = link_class_make(d->spacing[axis], push, d->shift);
+    links[1 + axis] = link_class_make(d->spacing[axis], push);
     springs[1 + axis].rest = 2 * d->spacing[axis];
-    if (!spring_gain(d, "bend", d->scene->sheet.bend, &springs[1 + axis].gain)) return 0;
+    if (!spring_gain(d, "bend", d->scene->sheet.bend, &springs[1 + axis])) return 0;
   }
   const uint64_t diagonal2 = (uint64_t)((int64_t)d->spacing[0] * d->spacing[0]) +
                              (uint64_t)((int64_t)d->spacing[1] * d->spacing[1]);
   springs[3].rest = (int32_t)exact_sqrt(diagonal2);
   springs[3].compression_only = 1;
-  return spring_gain(d, "shear", d->scene->sheet.shear, &springs[3].gain);
+  return spring_gain(d, "shear", d->scene->sheet.shear, &springs[3]);
 }
