@@ -16,7 +16,7 @@
 #include "tools/render/report_run.h"
 #include "tools/session.h"
 
-enum { DEFAULT_TICKS = 1000, PICTURES = 9, PATH_ROOM = 1024 };
+enum { DEFAULT_TICKS = 1000, PICTURES = 8, PATH_ROOM = 1024 };
 
 typedef struct {
   const char *file, *log, *record, *report, *save;

@@ -112,7 +112,12 @@ static inline int64_t fx_clamp64(int64_t v, int64_t low, int64_t high) {
 static inline int32_t fx_saturate(int64_t v) {
   return (int32_t)fx_clamp64(v, -(int64_t)INT32_MAX, INT32_MAX);
 }
-static inline int32_t fx_saturate16(int32_t v) { return fx_clamp(v, -32767, 32767); }
+/* a + b, saturated to +-(2^31 - 1), in 32 bits: a loop of these vectorises. */
+static inline int32_t fx_add_saturated(int32_t a, int32_t b) {
+  const int32_t sum = fx_wrap_add(a, b);
+  const int32_t bound = a < 0 ? -INT32_MAX : INT32_MAX;
+  return fx_max(((a ^ sum) & (b ^ sum)) < 0 ? bound : sum, -INT32_MAX);
+}
 static inline uint32_t fx_magnitude(int32_t v) {
   return v < 0 ? (uint32_t) - (int64_t)v : (uint32_t)v;
 }

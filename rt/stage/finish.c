@@ -4,11 +4,14 @@
  * et al. 2007: a touching particle keeps no velocity away from the body that the push gave it). */
 #include "rt/stage/stage.h"
 
+enum { MOVED_MAX = (1 << (31 - FX_SUB_BITS)) - 1 };
+
 /* v += (p - q) * 16, never re-derived from positions: what is below a position step is kept. */
 static void take_over(const int32_t *restrict x, const int32_t *restrict q, int32_t *restrict v,
                       uint32_t first, uint32_t end) {
   for (uint32_t p = first; p < end; ++p)
-    v[p] = fx_saturate((int64_t)v[p] + (int64_t)fx_sub(x[p], q[p]) * (1 << FX_SUB_BITS));
+    v[p] = fx_add_saturated(
+        v[p], fx_clamp(fx_sub(x[p], q[p]), -MOVED_MAX, MOVED_MAX) * (1 << FX_SUB_BITS));
 }
 
 static void settle_contact(fray_world *w, const contact *c) {

@@ -21,7 +21,7 @@ void bounds_join(bounds *b, bounds other) {
 }
 
 bounds bounds_within(bounds run, bounds start) {
-  const float room = 0.18f * v3_length(v3_sub(start.high, start.low));
+  const float room = 0.3f * v3_length(v3_sub(start.high, start.low));
   if (!isfinite(room)) return run;
   const v3 low = v3_sub(start.low, (v3){room, room, room});
   const v3 high = v3_add(start.high, (v3){room, room, room});

@@ -118,7 +118,7 @@ static void draw_axes(const plot_job *k, uint32_t x_most, uint32_t y_most) {
   const float u = k->unit;
   const rgb ink = rgb_hex(INK), faint = rgb_hex(FAINT);
   const plot_ticks tx = plot_choose_ticks(k->low_x, k->high_x, x_most);
-  const plot_ticks ty = plot_choose_ticks(k->low_y, k->high_y, y_most);
+  const plot_ticks ty = plot_choose_ticks(k->low_y, k->high_y, y_most > 5 ? y_most : 5);
   for (uint32_t n = 0; n < tx.count; n++) {
     const double v = tx.first + tx.step * n;
     const float x = screen_x(k, v);

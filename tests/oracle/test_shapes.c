@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Two shapes with a known answer: a pendulum's period and a hanging chain's sag. */
+#include "tests/lib/test.h"
+#include "tests/lib/world_fixture.h"
+
+#define PI 3.14159265358979323846
+
+/* 2 x 2 crossings held at their top row swing out of their plane: a bifilar pendulum, whose two
+ * bobs move alike, so it is one pendulum of the length of a link. Amplitude 0.05: the period of
+ * theory is T0 (1 + a^2/16), 0.016 % longer than that of small swings. */
+static double period_error(const char *spacing, uint32_t substeps, double *kept) {
+  const double amplitude = 0.05;
+  const int swings = 8;
+  fixture f;
+  fixture_print(&f,
+                "scene pendulum\nrate 1000 Hz\nsubsteps %u\nsweeps 1\ngravity 0 -981 0 cm/s2\n"
+                "sheet {\n warps 2\n wefts 2\n spacing %s\n tear off\n drag 0 /s\n}\npin row top\n",
+                substeps, spacing);
+  fray_world *w = f.w;
+  const double length = w->links[1].rest;
+  for (uint32_t p = 2; p < 4; ++p) {
+    w->y[p] = w->y[p - 2] - (int32_t)lround(length * cos(amplitude));
+    w->z[p] = w->z[p - 2] + (int32_t)lround(length * sin(amplitude));
+  }
+  const double theory = 2 * PI * sqrt(length * 0x1p-24 * fixture_lu_cm(&f) / 981) *
+                        (1 + amplitude * amplitude / 16);
+  double before = w->z[2];
+  double first = 0;
+  double last = 0;
+  double largest = 0; /* in the last swing */
+  int falls = 0;      /* zero crossings downwards */
+  for (uint32_t tick = 1; falls <= swings && tick < 5000; ++tick) {
+    (void)fixture_tick(&f, &fixture_idle);
+    const double now = w->z[2];
+    CHECK_EQ_INT(w->z[2], w->z[3]);
+    if (before > 0 && now <= 0) {
+      last = tick - 1 + before / (before - now);
+      if (falls == 0) first = last;
+      ++falls;
+    }
+    if (falls == swings && now < 0) largest = fmax(largest, -now);
+    before = now;
+  }
+  CHECK_EQ_INT(falls, swings + 1);
+  *kept = asin(fmin(1, largest / length)) / amplitude;
+  const double period = (last - first) / swings / f.facts.rate_hz;
+  fixture_close(&f);
+  return period / theory - 1;
+}
+
+static void a_pendulum_keeps_its_period(void) {
+  static const char *const spacings[] = {"0.625 mm", "2 mm", "6.2 mm"};
+  static const uint32_t substeps[] = {4, 8, 24};
+  for (uint32_t s = 0; s < 3; ++s)
+    for (uint32_t n = 0; n < 3; ++n) {
+      char name[64];
+      double kept;
+      const double error = 100 * period_error(spacings[s], substeps[n], &kept);
+      snprintf(name, sizeof name, "pendulum_period_%.5s_mm_%u_substeps", spacings[s], substeps[n]);
+      for (char *c = name; *c != 0; ++c)
+        if (*c == ' ' || (*c == 'm' && c[1] == '_' && c[-1] == ' ')) *c = '_';
+      figure(name, error, "%", "within 0.5");
+      CHECK(fabs(error) <= 0.5);
+      /* the swing itself must not grow; what projection takes away is not bounded here */
+      CHECK(kept <= 1.01);
+    }
+}
+
+/* Sag of a catenary of this length over this span: length = 2 a sinh(span / 2a). */
+static double catenary_sag(double length, double span) {
+  double low = span / 1000;
+  double high = span * 1000;
+  for (int n = 0; n < 200; ++n) {
+    const double a = sqrt(low * high);
+    if (2 * a * sinh(span / 2 / a) > length)
+      low = a;
+    else
+      high = a;
+  }
+  return low * (cosh(span / 2 / low) - 1);
+}
+
+/* Two yarns side by side, held at both ends, gathered so that they hang through. The sheet lies
+ * flat (in x-z), so both are the same chain: no bend, no shear. Sag is measured from the ends to
+ * the lowest crossing. The chain of n links is a polygon, which sags less than the curve by a
+ * share of about 1/n^2: 0.03 % for 60 links. */
+static void a_chain_hangs_as_a_catenary(void) {
+  static const int gathers[] = {5, 20, 40};
+  for (uint32_t g = 0; g < 3; ++g) {
+    fixture f;
+    char name[64];
+    fixture_print(&f,
+                  "scene chain\nrate 1000 Hz\nsubsteps 16\nsweeps 1\nsettle 3 s\n"
+                  "sheet {\n warps 61\n wefts 2\n spacing 0.8 mm\n plane horizontal\n bend 0 g/s2\n"
+                  " shear 0 g/s2\n tear off\n drag 5 /s\n gather %d %% pleats 6\n}\n"
+                  "pin column left\npin column right\n",
+                  gathers[g]);
+    const fray_world *w = f.w;
+    double sag = 0;
+    double length = 0;
+    double drift = 0;
+    const uint32_t ticks = 1000;
+    for (uint32_t tick = 0; tick < 2000 + ticks; ++tick) {
+      (void)fixture_tick(&f, &fixture_idle);
+      if (tick < 2000) continue;
+      double lowest = 0;
+      for (uint32_t i = 0; i < 61; ++i)
+        lowest = fmin(lowest, (double)w->y[w->crossing[i]] - w->y[w->crossing[0]]);
+      sag -= lowest / ticks;
+      for (uint32_t home = 0; home < 60; ++home)
+        length += fixture_length(w, w->row_of[home]) / ticks;
+      for (uint32_t p = (uint32_t)w->params->held; p < (uint32_t)w->params->particles; ++p)
+        drift = fmax(drift, fabs((double)w->vy[p]));
+    }
+    const double span = (double)w->x[w->crossing[60]] - w->x[w->crossing[0]];
+    const double error = 100 * (sag / catenary_sag(length, span) - 1);
+    snprintf(name, sizeof name, "chain_gather_%d_sag", gathers[g]);
+    figure(name, error, "%", "within 0.5");
+    snprintf(name, sizeof name, "chain_gather_%d_stretch", gathers[g]);
+    figure(name, 100 * (length / (60.0 * w->links[1].rest) - 1), "%", "printed");
+    snprintf(name, sizeof name, "chain_gather_%d_residual_speed", gathers[g]);
+    figure(name, drift * fixture_speed(&f), "cm/s", "printed");
+    CHECK(fabs(error) <= 0.5);
+    fixture_close(&f);
+  }
+}
+
+int main(void) {
+  TEST(a_pendulum_keeps_its_period);
+  TEST(a_chain_hangs_as_a_catenary);
+  return test_end();
+}
