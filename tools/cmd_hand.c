@@ -4,10 +4,10 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "rt/wire/codec.h"
 #include "tools/open.h"
+#include "tools/options.h"
 #include "tools/record.h"
 #include "tools/script.h"
 
@@ -86,27 +86,17 @@ static int read_script(const char *path, script *s) {
 }
 
 int cmd_hand(int argc, char **argv) {
-  const char *out_file = NULL, *script_file = NULL;
-  for (int n = 1; n < argc; ++n) {
-    if (strcmp(argv[n], "--help") == 0 || strcmp(argv[n], "-h") == 0) {
-      print_usage(stdout);
-      return EXIT_GOOD;
-    }
-    if (strcmp(argv[n], "-o") == 0 && n + 1 < argc && out_file == NULL) {
-      out_file = argv[++n];
-    } else if (argv[n][0] != '-' && script_file == NULL) {
-      script_file = argv[n];
-    } else {
-      fprintf(stderr, "fray hand: unexpected argument '%s'\n", argv[n]);
-      print_usage(stderr);
-      return EXIT_USAGE;
-    }
+  const char *out_file = NULL;
+  const char *script_file = NULL;
+  const option table[] = {{"-o", &out_file, NULL, NULL, 0, 0}};
+  const options_result wish = options_parse(argc, argv, table, 1, &script_file);
+  if (wish == OPTIONS_HELP) {
+    print_usage(stdout);
+    return EXIT_GOOD;
   }
-  if (out_file == NULL || script_file == NULL) {
-    fprintf(stderr, "fray hand: expected -o OUT.log and a script\n");
-    print_usage(stderr);
-    return EXIT_USAGE;
-  }
+  if (wish == OPTIONS_GOOD && (out_file == NULL || script_file == NULL))
+    fprintf(stderr, "fray hand: expected -o OUT.log and a script; fray hand --help tells more\n");
+  if (out_file == NULL || script_file == NULL || wish == OPTIONS_WRONG) return EXIT_USAGE;
   script *s = malloc(sizeof *s);
   if (s == NULL) {
     fprintf(stderr, "fray hand: not enough memory\n");

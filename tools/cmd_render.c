@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tools/options.h"
 #include "tools/progress.h"
 #include "tools/render/album.h"
 #include "tools/session.h"
@@ -23,7 +24,7 @@ typedef struct {
   double length_s;     /* 0: not given */
   uint32_t width, height, instance;
   float yaw, pitch;
-  int has_view, strain, help;
+  int has_view, strain;
 } options;
 
 typedef struct {
@@ -66,11 +67,11 @@ static double parse_time(const char **text) {
   return value * scale;
 }
 
-static int parse_one_time(const char *option, const char *text, double *out) {
+static int parse_one_time(const char *name, const char *text, double *out) {
   const char *rest = text;
   *out = parse_time(&rest);
   if (*out > 0.0 && *rest == 0) return 1;
-  fprintf(stderr, "fray render: %s %s, expected a time as 100ms or 2.5s\n", option, text);
+  fprintf(stderr, "fray render: %s %s, expected a time as 100ms or 2.5s\n", name, text);
   return 0;
 }
 
@@ -99,51 +100,15 @@ static int parse_view(const char *text, options *o) {
   return 0;
 }
 
-/* An option with a value. Returns 1, 0 after a message, -1: not such an option. */
-static int parse_value(const char *name, const char *value, options *o) {
-  if (strcmp(name, "--log") == 0) return o->log = value, 1;
-  if (strcmp(name, "--at") == 0) return o->at = value, 1;
-  if (strcmp(name, "-o") == 0) return o->folder = value, 1;
-  if (strcmp(name, "--every") == 0) return parse_one_time(name, value, &o->every_s);
-  if (strcmp(name, "--for") == 0) return parse_one_time(name, value, &o->length_s);
-  if (strcmp(name, "--size") == 0) return parse_size(value, o);
-  if (strcmp(name, "--view") == 0) return parse_view(value, o);
-  if (strcmp(name, "--instance") != 0) return -1;
-  o->instance = (uint32_t)(value[0] - '0');
-  if (value[0] >= '0' && value[0] <= '7' && value[1] == 0) return 1;
-  fprintf(stderr, "fray render: --instance %s, expected 0 to 7\n", value);
-  return 0;
-}
-
-static int parse_options(int argc, char **argv, options *o) {
-  *o = (options){.folder = "out/render", .width = 1280, .height = 960};
-  for (int n = 1; n < argc; n++) {
-    const char *a = argv[n];
-    if (strcmp(a, "--help") == 0 || strcmp(a, "-h") == 0) {
-      o->help = 1;
-      return 1;
-    }
-    if (strcmp(a, "--strain") == 0) {
-      o->strain = 1;
-      continue;
-    }
-    const int taken = a[0] == '-' && n + 1 < argc ? parse_value(a, argv[n + 1], o) : -1;
-    if (taken == 0) return 0;
-    if (taken == 1) {
-      n++;
-    } else if (a[0] != '-' && !o->file) {
-      o->file = a;
-    } else {
-      fprintf(stderr, "fray render: unexpected argument '%s'\n", a);
-      return 0;
-    }
-  }
-  if (!o->file) fprintf(stderr, "fray render: expected a scene or an image\n");
-  if (o->at && o->every_s > 0.0) {
+static int parse_options(options *o, const char *every, const char *length, const char *size,
+                         const char *view) {
+  if (o->at != NULL && every != NULL) {
     fprintf(stderr, "fray render: --at and --every exclude each other\n");
     return 0;
   }
-  return o->file != NULL;
+  return (every == NULL || parse_one_time("--every", every, &o->every_s)) &&
+         (length == NULL || parse_one_time("--for", length, &o->length_s)) &&
+         (size == NULL || parse_size(size, o)) && (view == NULL || parse_view(view, o));
 }
 
 static int add_tick(render_job *job, double tick) {
@@ -248,16 +213,28 @@ static int render_world(render_job *job) {
 }
 
 int cmd_render(int argc, char **argv) {
-  options o;
+  options o = {.folder = "out/render", .width = 1280, .height = 960};
   render_job job = {.o = &o};
-  if (!parse_options(argc, argv, &o)) {
-    print_usage(stderr);
-    return EXIT_USAGE;
-  }
-  if (o.help) {
+  const char *every = NULL;
+  const char *length = NULL;
+  const char *size = NULL;
+  const char *view = NULL;
+  const option table[] = {
+      {"--log", &o.log, NULL, NULL, 0, 0},  {"--instance", NULL, &o.instance, NULL, 0, 7},
+      {"--at", &o.at, NULL, NULL, 0, 0},    {"--every", &every, NULL, NULL, 0, 0},
+      {"--for", &length, NULL, NULL, 0, 0}, {"--size", &size, NULL, NULL, 0, 0},
+      {"--view", &view, NULL, NULL, 0, 0},  {"--strain", NULL, NULL, &o.strain, 0, 0},
+      {"-o", &o.folder, NULL, NULL, 0, 0}};
+  const options_result wish =
+      options_parse(argc, argv, table, sizeof table / sizeof table[0], &o.file);
+  if (wish == OPTIONS_HELP) {
     print_usage(stdout);
     return EXIT_GOOD;
   }
+  if (wish == OPTIONS_GOOD && o.file == NULL)
+    fprintf(stderr, "fray render: expected a scene or an image; fray render --help tells more\n");
+  if (wish == OPTIONS_WRONG || o.file == NULL || !parse_options(&o, every, length, size, view))
+    return EXIT_USAGE;
   const int opened = session_open(&job.s, o.file, o.log, o.instance);
   if (opened != 0) return opened;
   const int code = render_world(&job);

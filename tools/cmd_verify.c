@@ -9,6 +9,7 @@
 
 #include "rt/wire/dictionary.h"
 #include "tools/open.h"
+#include "tools/options.h"
 #include "tools/replay.h"
 
 enum { EXIT_SAME = 0, EXIT_DIFFERS = 1, EXIT_USAGE = 2 };
@@ -17,7 +18,6 @@ typedef struct {
   const char *log_file;
   const char *scene_file;
   uint32_t instance;
-  int help;
 } options;
 
 /* One run against its recording. */
@@ -41,36 +41,6 @@ static void print_usage(FILE *out) {
         "\n"
         "exit: 0 the same, 1 differs or the recording is not complete, 2 wrong use or input\n",
         out);
-}
-
-static int parse_options(int argc, char **argv, options *o) {
-  memset(o, 0, sizeof *o);
-  for (int n = 1; n < argc; ++n) {
-    const char *a = argv[n];
-    const int has_value = n + 1 < argc;
-    if (strcmp(a, "--help") == 0 || strcmp(a, "-h") == 0) {
-      o->help = 1;
-      return 1;
-    }
-    if (strcmp(a, "--scene") == 0 && has_value) {
-      o->scene_file = argv[++n];
-    } else if (strcmp(a, "--instance") == 0 && has_value) {
-      a = argv[++n];
-      if (a[0] < '0' || a[0] > '7' || a[1] != 0) {
-        fprintf(stderr, "fray verify: --instance %s, expected 0 to 7\n", a);
-        return 0;
-      }
-      o->instance = (uint32_t)(a[0] - '0');
-    } else if (a[0] != '-' && o->log_file == NULL) {
-      o->log_file = a;
-    } else {
-      fprintf(stderr, "fray verify: unexpected argument '%s'\n", a);
-      return 0;
-    }
-  }
-  if (o->log_file != NULL && o->scene_file != NULL) return 1;
-  fprintf(stderr, "fray verify: expected a recording and --scene\n");
-  return 0;
 }
 
 static void print_bytes(const uint8_t *data) {
@@ -202,14 +172,17 @@ int cmd_verify(int argc, char **argv) {
   candump_log log;
   candump_error error;
   struct opened opened;
-  if (!parse_options(argc, argv, &o)) {
-    print_usage(stderr);
-    return EXIT_USAGE;
-  }
-  if (o.help) {
+  memset(&o, 0, sizeof o);
+  const option table[] = {{"--scene", &o.scene_file, NULL, NULL, 0, 0},
+                          {"--instance", NULL, &o.instance, NULL, 0, 7}};
+  const options_result wish = options_parse(argc, argv, table, 2, &o.log_file);
+  if (wish == OPTIONS_HELP) {
     print_usage(stdout);
     return EXIT_SAME;
   }
+  if (wish == OPTIONS_GOOD && (o.log_file == NULL || o.scene_file == NULL))
+    fprintf(stderr, "fray verify: expected a recording and --scene; fray verify --help tells more\n");
+  if (wish == OPTIONS_WRONG || o.log_file == NULL || o.scene_file == NULL) return EXIT_USAGE;
   if (!candump_load(o.log_file, &log, &error)) {
     candump_print_error(stderr, &error);
     return EXIT_USAGE;

@@ -52,8 +52,8 @@ static const uint32_t capacity_max[POOLS] = {
     LIMIT_BATCHES, LIMIT_CLASSES, LIMIT_CLASSES, LIMIT_BODIES,   LIMIT_KEYS,      LIMIT_CONTACTS,
     LIMIT_CUTS};
 
-static fray_status refuse(fray_error *error, fray_status status, uint32_t section, uint32_t index,
-                          const char *what) {
+fray_status image_refuse(fray_error *error, fray_status status, uint32_t section, uint32_t index,
+                         const char *what) {
   if (error != NULL) {
     error->status = status;
     error->section = section;
@@ -123,33 +123,33 @@ size_t image_blank(const uint32_t capacity[POOLS], void *memory, fray_world **wo
 /* The header alone: length, version, CRC word not yet compared, capacities. */
 static fray_status read_header(const uint8_t *image, size_t bytes, uint32_t capacity[POOLS],
                                fray_error *error) {
-  if (image == NULL) return refuse(error, FRAY_BAD_ARGUMENT, 0, 0, "an image");
+  if (image == NULL) return image_refuse(error, FRAY_BAD_ARGUMENT, 0, 0, "an image");
   if (bytes < 4u * IMAGE_HEADER_WORDS)
-    return refuse(error, FRAY_TRUNCATED, 0, (uint32_t)bytes, "a header of 96 bytes");
+    return image_refuse(error, FRAY_TRUNCATED, 0, (uint32_t)bytes, "a header of 96 bytes");
   const uint32_t version = bytes_load32(image + 4 * IMAGE_VERSION_WORD);
   if (bytes_load32(image) != IMAGE_MAGIC)
-    return refuse(error, FRAY_BAD_MAGIC, 0, 0, "the bytes FRAY");
+    return image_refuse(error, FRAY_BAD_MAGIC, 0, 0, "the bytes FRAY");
   if (version >> 16 != FRAY_IMAGE_MAJOR || (version & 0xFFFFu) > FRAY_IMAGE_MINOR)
-    return refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD, "image version 1.0");
+    return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD, "image version 1.0");
   for (uint32_t p = 0; p < POOLS; ++p) {
     capacity[p] = bytes_load32(image + 4u * (IMAGE_CAPACITY_WORD + p));
     if (capacity[p] > capacity_max[p] || (p <= POOL_STATE && capacity[p] != 1u))
-      return refuse(error, FRAY_BAD_FIELD, 0, IMAGE_CAPACITY_WORD + p, "a capacity in its range");
+      return image_refuse(error, FRAY_BAD_FIELD, 0, IMAGE_CAPACITY_WORD + p, "a capacity in its range");
   }
   for (uint32_t n = IMAGE_CAPACITY_WORD + POOLS; n < IMAGE_HEADER_WORDS; ++n)
     if (bytes_load32(image + 4u * n) != 0)
-      return refuse(error, FRAY_BAD_FIELD, 0, n, "a reserved word of zero");
+      return image_refuse(error, FRAY_BAD_FIELD, 0, n, "a reserved word of zero");
   const uint32_t features = bytes_load32(image + 4 * IMAGE_FEATURES_WORD);
   const uint32_t expected = short_ids(capacity) ? (uint32_t)IMAGE_SHORT_IDS : 0u;
   if (features != expected || (sizeof(row_id) == 2u && expected == 0))
-    return refuse(error, FRAY_BAD_VERSION, 0, IMAGE_FEATURES_WORD,
+    return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_FEATURES_WORD,
                   "features that this build has, short ids where they fit");
   return FRAY_OK;
 }
 
 fray_status fray_bytes(const void *image, size_t image_bytes, size_t *bytes, fray_error *error) {
   uint32_t capacity[POOLS];
-  if (bytes == NULL) return refuse(error, FRAY_BAD_ARGUMENT, 0, 0, "a place for the result");
+  if (bytes == NULL) return image_refuse(error, FRAY_BAD_ARGUMENT, 0, 0, "a place for the result");
   const fray_status status = read_header((const uint8_t *)image, image_bytes, capacity, error);
   if (status != FRAY_OK) return status;
   *bytes = plan_bytes(capacity, (const uint8_t *)image);
@@ -187,12 +187,12 @@ static fray_status check_directory(const uint8_t *image, const uint32_t capacity
         bytes_load32(words + 4) != stored_bytes(a, short_ids(capacity)) ||
         bytes_load32(words + 8) != elements(a, capacity) ||
         bytes_load32(words + 12) != section_offset(capacity, n))
-      return refuse(error, FRAY_BAD_SECTION, a->id, entry,
+      return image_refuse(error, FRAY_BAD_SECTION, a->id, entry,
                     "the directory entry that the capacities call for");
     ++entry;
   }
   if (bytes_load32(image + 4 * IMAGE_SECTIONS_WORD) != entry)
-    return refuse(error, FRAY_BAD_SECTION, 0, IMAGE_SECTIONS_WORD, "every section once");
+    return image_refuse(error, FRAY_BAD_SECTION, 0, IMAGE_SECTIONS_WORD, "every section once");
   return FRAY_OK;
 }
 
@@ -230,23 +230,23 @@ fray_status fray_open(const void *image, size_t image_bytes, void *memory, size_
   uint32_t capacity[POOLS];
   const uint8_t *bytes = (const uint8_t *)image;
   if (world == NULL || memory == NULL || ((uintptr_t)memory & (FRAY_ALIGN - 1u)) != 0)
-    return refuse(error, FRAY_BAD_ARGUMENT, 0, 0, "memory aligned to FRAY_ALIGN");
+    return image_refuse(error, FRAY_BAD_ARGUMENT, 0, 0, "memory aligned to FRAY_ALIGN");
   *world = NULL;
   fray_status status = read_header(bytes, image_bytes, capacity, error);
   if (status != FRAY_OK) return status;
   const uint32_t length = bytes_load32(bytes + 4 * IMAGE_BYTES_WORD);
   if (length != image_length(capacity))
-    return refuse(error, FRAY_BAD_SECTION, 0, IMAGE_BYTES_WORD,
+    return image_refuse(error, FRAY_BAD_SECTION, 0, IMAGE_BYTES_WORD,
                   "the length that the capacities call for");
   if (image_bytes < length)
-    return refuse(error, FRAY_TRUNCATED, 0, (uint32_t)image_bytes, "as many bytes as its length");
+    return image_refuse(error, FRAY_TRUNCATED, 0, (uint32_t)image_bytes, "as many bytes as its length");
   if (bytes_crc32(bytes + IMAGE_CRC_FROM, length - IMAGE_CRC_FROM) !=
       bytes_load32(bytes + 4 * IMAGE_CRC_WORD))
-    return refuse(error, FRAY_BAD_CRC, 0, IMAGE_CRC_WORD, "the CRC-32 of what follows");
+    return image_refuse(error, FRAY_BAD_CRC, 0, IMAGE_CRC_WORD, "the CRC-32 of what follows");
   status = check_directory(bytes, capacity, error);
   if (status != FRAY_OK) return status;
   if (memory_bytes < plan_bytes(capacity, bytes))
-    return refuse(error, FRAY_SMALL_MEMORY, 0, 0, "as many bytes of memory as fray_bytes() says");
+    return image_refuse(error, FRAY_SMALL_MEMORY, 0, 0, "as many bytes of memory as fray_bytes() says");
   fray_world *w = plan_carve(capacity, bytes, memory, memory_bytes);
   load_sections(w, bytes);
   status = image_validate(w, error);

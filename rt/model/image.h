@@ -54,8 +54,12 @@ static inline void *image_pointer(const fray_world *w, const image_array *a) {
 }
 
 /* A world with capacities and arrays in the caller's zeroed memory, for the builder: nothing is
- * taken in place. `bytes` NULL: only counts. Returns the bytes needed. */
+ * taken in place. `memory` NULL: only counts. Returns the bytes needed. */
 size_t image_blank(const uint32_t capacity[POOLS], void *memory, fray_world **world);
+
+/* Fills *error (if any) and returns the status. */
+fray_status image_refuse(fray_error *error, fray_status status, uint32_t section, uint32_t index,
+                         const char *what);
 
 /* Checks every value of a freshly loaded world; see model/validate.c. */
 fray_status image_validate(const fray_world *w, fray_error *error);

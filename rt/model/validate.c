@@ -26,18 +26,14 @@ enum {
   IN_BODIES = 25, IN_BODY_STATES, IN_KEYS
 };
 
-static int refuse(fray_error *error, fray_status status, uint32_t section, uint32_t index,
-                  const char *what) {
-  if (error != NULL) {
-    error->status = status;
-    error->section = section;
-    error->index = index;
-    error->what = what;
-  }
+static int bad(fray_error *error, uint32_t section, uint32_t index, const char *what) {
+  (void)image_refuse(error, FRAY_BAD_FIELD, section, index, what);
   return 0;
 }
-static int bad(fray_error *error, uint32_t section, uint32_t index, const char *what) {
-  return refuse(error, FRAY_BAD_FIELD, section, index, what);
+
+static int bad_batch(fray_error *error, uint32_t batch, const char *what) {
+  (void)image_refuse(error, FRAY_BAD_BATCH, IN_BATCHES, batch, what);
+  return 0;
 }
 
 static int words_in_range(const void *table, const word_range *ranges, uint32_t count,
@@ -232,14 +228,13 @@ static int batches_good(const fray_world *w, fray_error *error) {
       const row_batch *batch = &w->batches[b];
       if (batch->first != (int32_t)row || batch->count < 0 ||
           (uint32_t)batch->count > ends[family] - row)
-        return refuse(error, FRAY_BAD_BATCH, IN_BATCHES, b, "batches without gaps or overlap");
+        return bad_batch(error, b, "batches without gaps or overlap");
       if (!batch_good(w, b, seen))
-        return refuse(error, FRAY_BAD_BATCH, IN_BATCHES, b,
-                      "rows that share no particle and are held as the batch says");
+        return bad_batch(error, b, "rows that share no particle and are held as the batch says");
       row += (uint32_t)batch->count;
     }
     if (row != ends[family])
-      return refuse(error, FRAY_BAD_BATCH, IN_BATCHES, b, "batches that cover their family");
+      return bad_batch(error, b, "batches that cover their family");
   }
   return 1;
 }

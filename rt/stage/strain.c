@@ -62,25 +62,31 @@ typedef struct {
   const link_class *classes;
 } link_view;
 
+/* What end i moves by, f * d, and end j by the opposite; twice that with `down` one less. */
+static inline vec3 correction(const link_view *s, uint32_t row, unsigned down) {
+  const uint32_t i = s->i[row];
+  const uint32_t j = s->j[row];
+  const split x = split_difference(s->x[i], s->x[j]);
+  const split y = split_difference(s->y[i], s->y[j]);
+  const split z = split_difference(s->z[i], s->z[j]);
+  const int32_t f = projection_factor(x, y, z, &s->classes[s->kind[row]]);
+  return vec_make(fx_round(fx_mul(x.hi, f), down), fx_round(fx_mul(y.hi, f), down),
+                  fx_round(fx_mul(z.hi, f), down));
+}
+
 /* Both ends move: equal and opposite. */
 static void project_free(link_view s, uint32_t first, uint32_t end) {
   for (uint32_t row = first; row < end; ++row) {
     if (s.kind[row] == ROW_DEAD) continue;
+    const vec3 c = correction(&s, row, 20 - LINK_SHIFT);
     const uint32_t i = s.i[row];
     const uint32_t j = s.j[row];
-    const split dx = split_difference(s.x[i], s.x[j]);
-    const split dy = split_difference(s.y[i], s.y[j]);
-    const split dz = split_difference(s.z[i], s.z[j]);
-    const int32_t f = projection_factor(dx, dy, dz, &s.classes[s.kind[row]]);
-    const int32_t cx = fx_round(fx_mul(dx.hi, f), 20 - LINK_SHIFT);
-    const int32_t cy = fx_round(fx_mul(dy.hi, f), 20 - LINK_SHIFT);
-    const int32_t cz = fx_round(fx_mul(dz.hi, f), 20 - LINK_SHIFT);
-    s.x[i] = fx_add(s.x[i], cx);
-    s.y[i] = fx_add(s.y[i], cy);
-    s.z[i] = fx_add(s.z[i], cz);
-    s.x[j] = fx_sub(s.x[j], cx);
-    s.y[j] = fx_sub(s.y[j], cy);
-    s.z[j] = fx_sub(s.z[j], cz);
+    s.x[i] = fx_add(s.x[i], c.x);
+    s.y[i] = fx_add(s.y[i], c.y);
+    s.z[i] = fx_add(s.z[i], c.z);
+    s.x[j] = fx_sub(s.x[j], c.x);
+    s.y[j] = fx_sub(s.y[j], c.y);
+    s.z[j] = fx_sub(s.z[j], c.z);
   }
 }
 
@@ -88,20 +94,13 @@ static void project_free(link_view s, uint32_t first, uint32_t end) {
 static void project_held(fray_world *w, link_view s, uint32_t first, uint32_t end) {
   for (uint32_t row = first; row < end; ++row) {
     if (s.kind[row] == ROW_DEAD) continue;
-    const uint32_t i = s.i[row];
+    const vec3 c = correction(&s, row, 19 - LINK_SHIFT);
     const uint32_t j = s.j[row];
-    const split dx = split_difference(s.x[i], s.x[j]);
-    const split dy = split_difference(s.y[i], s.y[j]);
-    const split dz = split_difference(s.z[i], s.z[j]);
-    const int32_t f = projection_factor(dx, dy, dz, &s.classes[s.kind[row]]);
-    const int32_t cx = fx_round(fx_mul(dx.hi, f), 19 - LINK_SHIFT);
-    const int32_t cy = fx_round(fx_mul(dy.hi, f), 19 - LINK_SHIFT);
-    const int32_t cz = fx_round(fx_mul(dz.hi, f), 19 - LINK_SHIFT);
-    s.x[j] = fx_sub(s.x[j], cx);
-    s.y[j] = fx_sub(s.y[j], cy);
-    s.z[j] = fx_sub(s.z[j], cz);
-    body_gave(&w->motion[w->grip_body[i]], -(int64_t)cx * (1 << FX_SUB_BITS),
-              -(int64_t)cy * (1 << FX_SUB_BITS), -(int64_t)cz * (1 << FX_SUB_BITS));
+    s.x[j] = fx_sub(s.x[j], c.x);
+    s.y[j] = fx_sub(s.y[j], c.y);
+    s.z[j] = fx_sub(s.z[j], c.z);
+    body_gave(&w->motion[w->grip_body[s.i[row]]], -(int64_t)c.x * (1 << FX_SUB_BITS),
+              -(int64_t)c.y * (1 << FX_SUB_BITS), -(int64_t)c.z * (1 << FX_SUB_BITS));
   }
 }
 

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* emit NAME IMAGE LOG|- TICKS ...: writes the table of cases.h to stdout. Runs on the host.
+ * The inputs of a device log become one fray_input a tick, as `fray run` would give them. */
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "tools/session.h"
+
+static void print_bytes(const char *name, const uint8_t *bytes, size_t count) {
+  printf("_Alignas(16) static const uint8_t image_%s[%zu] = {", name, count);
+  for (size_t n = 0; n < count; ++n) printf("%s%u,", n % 24 == 0 ? "\n" : "", bytes[n]);
+  printf("\n};\n");
+}
+
+static void print_input(const fray_input *i) {
+  printf("  {%u, {", i->has_pose);
+  for (uint32_t h = 0; h < FRAY_HANDS; ++h)
+    printf("{%d,%d,%d,%u,%u},", i->pose[h].x, i->pose[h].y, i->pose[h].z, i->pose[h].counter,
+           i->pose[h].buttons);
+  printf("}, %u, %u},\n", i->verb, i->verb_counter);
+}
+
+static int print_case(char **word) {
+  session s;
+  const int has_log = word[2][0] != '-';
+  if (session_open(&s, word[1], has_log ? word[2] : NULL, 0) != 0) return 0;
+  print_bytes(word[0], s.opened.image, s.opened.image_bytes);
+  printf("static const fray_input inputs_%s[%" PRIu32 "] = {\n", word[0], s.log.count + 1);
+  for (uint32_t n = 0; n <= s.log.count; ++n) print_input(session_input(&s, n));
+  printf("};\n");
+  session_close(&s);
+  return 1;
+}
+
+int main(int argc, char **argv) {
+  printf("#include \"tests/cross/cases.h\"\n");
+  for (int n = 1; n + 3 < argc; n += 4)
+    if (!print_case(argv + n)) return 2;
+  printf("const cross_case cross_cases[] = {\n");
+  for (int n = 1; n + 3 < argc; n += 4)
+    printf("  {\"%s\", image_%s, sizeof image_%s, inputs_%s, sizeof inputs_%s / sizeof(fray_input), "
+           "%s},\n",
+           argv[n], argv[n], argv[n], argv[n], argv[n], argv[n + 3]);
+  printf("};\nconst uint32_t cross_case_count = %d;\n", (argc - 1) / 4);
+  return fflush(stdout) == 0 ? 0 : 1;
+}

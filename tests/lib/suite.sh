@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: Apache-2.0
+# For shell suites; source it, then call suite_begin NAME, pass, fail, not_run, and last suite_end.
+# A tool that is missing is a failure where CI=true, unless FRAY_LOCAL=1; elsewhere it is named, with
+# the Debian package that has it, in a line `not run: WHAT needs PACKAGE`.
+set -eu
+
+suite_passed=0
+suite_failed=0
+
+pass() { suite_passed=$((suite_passed + 1)); }
+fail() {
+  suite_failed=$((suite_failed + 1))
+  echo "FAILED $*"
+}
+not_run() { # WHAT PACKAGE
+  echo "not run: $1 needs $2"
+  if [ "${CI:-}" = true ] && [ "${FRAY_LOCAL:-0}" != 1 ]; then fail "$1: $2 is missing"; fi
+}
+suite_end() {
+  echo "$suite_passed passed, $suite_failed failed"
+  [ "$suite_failed" -eq 0 ]
+}
+
+# The compiler's options and this suite's must not meet those of the make that called it.
+suite_make() { MAKEFLAGS='' MFLAGS='' "${MAKE_COMMAND:-make}" --no-print-directory -s "$@" >&2; }
+
+have() { command -v "$1" >/dev/null 2>&1; }
+
+FRAY_BUILD=${BUILD:-build}
+FRAY=${FRAY:-$FRAY_BUILD/fray}

@@ -1,0 +1,296 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Momentum is a ledger in integers. In a tick the sum of the free particles' velocities (Q28,
+ * exact) changes by
+ *
+ *   gravity: particles * the gravity steps of its substeps (whole part and running remainder)
+ *   bodies:  fray_body.impulse of every body
+ *   drag:    of each velocity round(v * drag), taken first in the tick
+ *
+ * and by nothing else: projections, bend and shear springs give to one end what they take from the
+ * other. Nothing is rounded between, so the residual must be exactly 0 as long as nothing
+ * saturates; also while springs are cut, and with contacts. `damping` (towards the rigid motion)
+ * rounds per particle and is taken out of the scenes. */
+#include <dirent.h>
+
+#include "rt/stage/stage.h"
+#include "tests/lib/test.h"
+#include "tests/lib/world_fixture.h"
+
+enum { TICKS = 300, SCENES_MAX = 64 };
+
+static char scenes[SCENES_MAX][256];
+static uint32_t scene_count;
+
+static int by_name(const void *a, const void *b) { return strcmp(a, b); }
+
+static void list_scenes(void) {
+  DIR *folder = opendir("tests/scenes");
+  if (folder == NULL) fixture_give_up("tests/scenes", "not there; run from the root");
+  for (struct dirent *entry = readdir(folder); entry != NULL; entry = readdir(folder)) {
+    const size_t length = strlen(entry->d_name);
+    if (length < 7 || strcmp(entry->d_name + length - 6, ".scene") != 0) continue;
+    if (scene_count == SCENES_MAX) fixture_give_up("tests/scenes", "more than 64 scenes");
+    snprintf(scenes[scene_count++], sizeof scenes[0], "tests/scenes/%.200s", entry->d_name);
+  }
+  closedir(folder);
+  qsort(scenes, scene_count, sizeof scenes[0], by_name);
+}
+
+typedef struct {
+  int64_t axis[3];
+} ledger;
+
+static ledger momentum(const fray_world *w) {
+  ledger sum = {{0, 0, 0}};
+  for (uint32_t p = (uint32_t)w->params->held; p < (uint32_t)w->params->particles; ++p) {
+    sum.axis[0] += w->vx[p];
+    sum.axis[1] += w->vy[p];
+    sum.axis[2] += w->vz[p];
+  }
+  return sum;
+}
+
+/* What drag takes, by its definition; halves away from zero. */
+static int64_t drag_of(int32_t v, int32_t share) {
+  const int64_t product = (int64_t)v * share;
+  const int64_t half = 1 << 23;
+  return product < 0 ? -((-product + half) / (1 << 24)) : (product + half) / (1 << 24);
+}
+
+static ledger drag(const fray_world *w) {
+  ledger sum = {{0, 0, 0}};
+  for (uint32_t p = (uint32_t)w->params->held; p < (uint32_t)w->params->particles; ++p) {
+    sum.axis[0] -= drag_of(w->vx[p], w->params->drag);
+    sum.axis[1] -= drag_of(w->vy[p], w->params->drag);
+    sum.axis[2] -= drag_of(w->vz[p], w->params->drag);
+  }
+  return sum;
+}
+
+/* Of one particle in one tick; *phase runs on. */
+static int64_t gravity(const fray_facts *f, uint32_t axis, uint32_t *phase) {
+  int64_t sum = 0;
+  for (uint32_t s = 0; s < f->substeps; ++s) {
+    const uint32_t before = *phase;
+    *phase += f->gravity_rest[axis];
+    sum += f->gravity[axis] + (*phase < before);
+  }
+  return sum;
+}
+
+/* Largest residual of any tick and axis; *moved is the largest change that was accounted for. */
+static int64_t run_ledger(fixture *f, int64_t *moved, uint32_t *cuts, uint32_t *touches) {
+  const fray_world *w = f->w;
+  uint32_t phase[3];
+  int64_t most = 0;
+  for (uint32_t n = 0; n < 3; ++n) phase[n] = (uint32_t)w->state->gravity_phase[n];
+  for (uint32_t tick = 0; tick < TICKS; ++tick) {
+    /* hands rest, then move apart and forward */
+    const int32_t out_steps = tick < 20 ? 0 : (int32_t)(tick - 20) * 20;
+    const int32_t at[FRAY_HANDS][3] = {{-out_steps, 0, out_steps / 2}, {out_steps, 0, out_steps}};
+    fray_input input = fixture_poses(f, at, tick);
+    if (tick == 0) input.verb = FRAY_VERB_START;
+    const ledger before = momentum(w);
+    const ledger air = drag(w);
+    const fray_output out = fixture_tick(f, &input);
+    const ledger after = momentum(w);
+    const int64_t particles = w->params->particles - w->params->held;
+    for (uint32_t n = 0; n < 3; ++n) {
+      int64_t expected = particles * gravity(&f->facts, n, &phase[n]) + air.axis[n];
+      for (uint32_t b = 0; b < f->facts.bodies; ++b) {
+        const fray_body body_view = fray_view_body(w, b);
+        expected += body_view.impulse[n];
+        if (llabs(body_view.impulse[n]) > *moved) *moved = llabs(body_view.impulse[n]);
+      }
+      const int64_t residual = llabs(after.axis[n] - before.axis[n] - expected);
+      if (residual > most) most = residual;
+    }
+    *cuts = out.cuts_total;
+    for (uint32_t c = 0; c < w->contact_count; ++c) *touches += w->contacts[c].touching;
+  }
+  return most;
+}
+
+static void edit(char **text, const char *from, const char *to) {
+  int found;
+  *text = fixture_replace(*text, from, to, &found);
+}
+
+static void check_scene(const char *path, int with_drag) {
+  fixture f;
+  int64_t moved = 0;
+  uint32_t cuts = 0;
+  uint32_t touches = 0;
+  char name[320];
+  char asked[128];
+  char *text = fixture_read(path);
+  edit(&text, "substeps auto", "substeps 8"); /* the ledger holds for any number of them */
+  edit(&text, "settle 1 s", "settle 0.2 s");
+  edit(&text, "settle 0.5 s", "settle 0.2 s");
+  fixture_text(&f, text);
+  free(text);
+  fixture_params(&f)->relative_damping = 0;
+  if (!with_drag) fixture_params(&f)->drag = 0;
+  const int64_t residual = run_ledger(&f, &moved, &cuts, &touches);
+  snprintf(name, sizeof name, "ledger_%s%s", strrchr(path, '/') + 1, with_drag ? "_drag" : "");
+  snprintf(asked, sizeof asked, "exactly 0; impulses to %lld, %u cuts, %u touches",
+           (long long)moved, cuts, touches);
+  figure(name, (double)residual, "2^-28_lu_per_substep", asked);
+  CHECK_EQ_INT(residual, 0);
+  CHECK(moved > 0 || f.facts.bodies == 0);
+  fixture_close(&f);
+}
+
+static void momentum_of_every_scene_is_accounted_for(void) {
+  CHECK(scene_count >= 9);
+  for (uint32_t n = 0; n < scene_count; ++n) check_scene(scenes[n], 0);
+}
+static void and_with_drag(void) {
+  for (uint32_t n = 0; n < scene_count; n += 3) check_scene(scenes[n], 1);
+}
+
+/* ---- single projections ---- */
+
+enum { PAIRS = 1000000 };
+
+/* 2 x 2 crossings that nothing holds, and only one link alive: strain_run is one projection. */
+static uint32_t lone_link(fixture *f) {
+  fixture_text(f, "scene pair\nrate 1000 Hz\nsubsteps 4\nsweeps 1\n"
+                  "sheet {\n warps 2\n wefts 2\n spacing 12 /cm\n}\n");
+  for (uint32_t row = 1; row < f->w->capacity[POOL_ROWS]; ++row) f->w->row_class[row] = ROW_DEAD;
+  return 0;
+}
+
+static double between(uint64_t *seed, double low, double high) {
+  return low + (double)(fixture_random(seed) >> 11) * 0x1p-53 * (high - low);
+}
+
+/* Any two places within half the world, links up to the world's length: nothing may be lost. */
+static void a_projection_keeps_the_sum_of_positions(void) {
+  fixture f;
+  uint64_t seed = 9;
+  uint32_t lost = 0;
+  uint32_t moves = 0;
+  const uint32_t row = lone_link(&f);
+  fray_world *w = f.w;
+  const uint32_t i = w->row_i[row];
+  const uint32_t j = w->row_j[row];
+  int32_t *const x[3] = {w->x, w->y, w->z};
+  for (uint32_t trial = 0; trial < PAIRS; ++trial) {
+    /* half of them near the rest length, half anywhere */
+    const double reach = trial % 2 == 0 ? 1.5 * w->links[1].rest : 59.0 * FX_LU;
+    int64_t sum[3];
+    int32_t before[3];
+    for (uint32_t n = 0; n < 3; ++n) {
+      x[n][i] = (int32_t)between(&seed, -30.0 * FX_LU, 30.0 * FX_LU);
+      x[n][j] = (int32_t)fx_clamp64((int64_t)(x[n][i] + between(&seed, -reach, reach)),
+                                    -FX_WORLD_MAX, FX_WORLD_MAX);
+      sum[n] = (int64_t)x[n][i] + x[n][j];
+      before[n] = x[n][i];
+    }
+    strain_run(w);
+    for (uint32_t n = 0; n < 3; ++n) {
+      lost += sum[n] != (int64_t)x[n][i] + x[n][j];
+      moves += before[n] != x[n][i];
+    }
+  }
+  figure("pair_momentum_lost", lost, "of_1e6_pairs", "exactly 0");
+  CHECK_EQ_INT(lost, 0);
+  CHECK(moves > PAIRS);
+  fixture_close(&f);
+}
+
+/* A projection shortens what is too long and lengthens what is too short, and never overshoots,
+ * up to rounding. In position steps of 2^-24 lu, for |d| = L and a change of length 2 f L:
+ * - f is rounded to Q20: an error of at most 2 L 2^-21, 1.7 for L = 1.25 r here (r = 1.4e6);
+ * - u is rounded to Q20 and lo^2 left out (2^-23): 2 L (2^-21 + 2^-23) / 4, 0.6;
+ * - d is rounded to units of 2^8: the push is off by 2^7 / L of its own size: below 2^-4 of it, in
+ *   a direction across the link;
+ * - each component of the push is rounded for both ends alike: 2 * 1/2, at most sqrt 3 for three.
+ * Together below 5 steps where the push is small; psi is within 2 % of the true factor. */
+static void a_projection_reduces_the_strain(void) {
+  fixture f;
+  uint64_t seed = 10;
+  double worse = -1e9;      /* |strain| after minus before, in position steps */
+  double overshoot = -1e9;
+  double left = 0;          /* of a stretched link: length error after, relative to before */
+  const uint32_t row = lone_link(&f);
+  fray_world *w = f.w;
+  const uint32_t i = w->row_i[row];
+  const uint32_t j = w->row_j[row];
+  const double rest = fixture_rest(w, row);
+  for (uint32_t trial = 0; trial < PAIRS; ++trial) {
+    const double length = rest * between(&seed, 0.76, 1.24);
+    const double up = between(&seed, -1, 1);
+    const double turn = between(&seed, 0, 6.283185307179586);
+    const double flat = sqrt(1 - up * up);
+    w->x[i] = w->y[i] = w->z[i] = 0;
+    w->x[j] = (int32_t)lround(length * flat * cos(turn));
+    w->y[j] = (int32_t)lround(length * flat * sin(turn));
+    w->z[j] = (int32_t)lround(length * up);
+    const double before = fixture_length(w, row) - rest;
+    strain_run(w);
+    const double after = fixture_length(w, row) - rest;
+    if (fabs(after) - fabs(before) > worse) worse = fabs(after) - fabs(before);
+    const double over = before > 0 ? -after : after;
+    if (over - 0.02 * fabs(before) > overshoot) overshoot = over - 0.02 * fabs(before);
+    if (before > 0.01 * rest && fabs(after / before) > left) left = fabs(after / before);
+  }
+  figure("pair_strain_growth", worse, "position_steps", "at most 5");
+  figure("pair_overshoot_over_2_percent", overshoot, "position_steps", "at most 5");
+  figure("pair_strain_left", 100 * left, "%", "at most 2, and 5 position steps");
+  CHECK(worse <= 5);
+  CHECK(overshoot <= 5);
+  CHECK(left <= 0.02 + 5 / (0.01 * rest));
+  fixture_close(&f);
+}
+
+/* Exactly at rest, along any axis, nothing moves; in any direction at most by the rounding of d:
+ * the length of an integer vector is within 1 step of r, which u sees as at most 1.5 * 2^-20 r...
+ * and f = u / 4 rounds to 0. */
+static void at_rest_length_nothing_moves(void) {
+  fixture f;
+  uint64_t seed = 11;
+  uint32_t moves = 0;
+  const uint32_t row = lone_link(&f);
+  fray_world *w = f.w;
+  const uint32_t i = w->row_i[row];
+  const uint32_t j = w->row_j[row];
+  const int32_t rest = (int32_t)fixture_rest(w, row);
+  for (uint32_t axis = 0; axis < 6; ++axis) {
+    int32_t *const x[3] = {w->x, w->y, w->z};
+    for (uint32_t n = 0; n < 3; ++n) {
+      x[n][i] = 12345;
+      x[n][j] = 12345 + (axis % 3 == n ? (axis < 3 ? rest : -rest) : 0);
+    }
+    strain_run(w);
+    for (uint32_t n = 0; n < 3; ++n) {
+      CHECK_EQ_INT(x[n][i], 12345);
+      CHECK_EQ_INT(x[n][j], 12345 + (axis % 3 == n ? (axis < 3 ? rest : -rest) : 0));
+    }
+  }
+  for (uint32_t trial = 0; trial < PAIRS / 10; ++trial) {
+    const double up = between(&seed, -1, 1);
+    const double turn = between(&seed, 0, 6.283185307179586);
+    const double flat = sqrt(1 - up * up);
+    w->x[i] = w->y[i] = w->z[i] = 0;
+    w->x[j] = (int32_t)lround(rest * flat * cos(turn));
+    w->y[j] = (int32_t)lround(rest * flat * sin(turn));
+    w->z[j] = (int32_t)lround(rest * up);
+    strain_run(w);
+    moves += w->x[i] != 0 || w->y[i] != 0 || w->z[i] != 0;
+  }
+  figure("pair_moves_at_rest_length", moves, "of_1e5_directions", "0");
+  CHECK_EQ_INT(moves, 0);
+  fixture_close(&f);
+}
+
+int main(void) {
+  list_scenes();
+  TEST(momentum_of_every_scene_is_accounted_for);
+  TEST(and_with_drag);
+  TEST(a_projection_keeps_the_sum_of_positions);
+  TEST(a_projection_reduces_the_strain);
+  TEST(at_rest_length_nothing_moves);
+  return test_end();
+}
