@@ -6,10 +6,12 @@ BUILD ?= build
 OPT ?= -O3
 WARN := -Wall -Wextra -Wconversion -Wshadow -Wundef -Werror
 FLAGS := -std=c11 $(OPT) -g -I. $(WARN) -MMD -MP $(EXTRA)
+FUZZ_SECONDS ?= 60
 
 RT_C := $(wildcard rt/*/*.c)
-TOOL_C := $(wildcard tools/*.c tools/*/*.c platform/log/*.c)
+TOOL_C := $(wildcard tools/*.c tools/*/*.c platform/*.c platform/log/*.c platform/linux/*.c)
 UNIT_C := $(wildcard tests/unit/*.c tests/oracle/*.c tests/run/*.c)
+HELPER_C := tests/cross/emit.c tests/cli/alter.c
 
 RT_O := $(RT_C:%.c=$(BUILD)/%.o)
 TOOL_O := $(TOOL_C:%.c=$(BUILD)/%.o)
@@ -17,8 +19,10 @@ TOOLS_LIB := $(BUILD)/libtools.a
 RT_LIB := $(BUILD)/libfray.a
 FRAY := $(BUILD)/fray
 TESTS := $(UNIT_C:%.c=$(BUILD)/%)
+HELPERS := $(HELPER_C:%.c=$(BUILD)/%)
+IMAGE_16 := $(BUILD)/id16/tests/unit/test_image
 
-.PHONY: all help run test clean
+.PHONY: all help run test clean san checked golden golden-update fuzz tidy size bench force
 all: $(FRAY) ## build the `fray` command
 
 help: ## list the targets
@@ -41,10 +45,14 @@ $(BUILD)/%.o: %.c
 	@echo "  CC   $<"
 	@$(CC) $(FLAGS) -c $< -o $@
 
-$(TESTS): $(BUILD)/%: $(BUILD)/%.o $(TOOLS_LIB) $(RT_LIB)
+$(TESTS) $(HELPERS): $(BUILD)/%: $(BUILD)/%.o $(TOOLS_LIB) $(RT_LIB)
 	@$(CC) $(EXTRA) $^ -lm -o $@
 
--include $(RT_O:.o=.d) $(TOOL_O:.o=.d) $(TESTS:=.d)
+# the loader once more, with 16-bit ids
+$(IMAGE_16): force
+	@$(MAKE) --no-print-directory -s BUILD=$(BUILD)/id16 EXTRA="$(EXTRA) -DFRAY_ID_BITS=16" $@
+
+-include $(RT_O:.o=.d) $(TOOL_O:.o=.d) $(TESTS:=.d) $(HELPERS:=.d)
 
 run: $(FRAY) ## tear a sheet with two hands from a log of the bus; results in out/
 	@mkdir -p out
@@ -52,8 +60,40 @@ run: $(FRAY) ## tear a sheet with two hands from a log of the bus; results in ou
 	$(FRAY) run out/two_hands.img --log tests/scenes/two_hands.log --record out/two_hands.log --report out
 	$(FRAY) verify out/two_hands.log --scene out/two_hands.img
 
-test: $(FRAY) $(TESTS) ## run every test
-	@FRAY=$(FRAY) BUILD=$(BUILD) sh tests/run_all.sh $(TESTS)
+test: $(FRAY) $(TESTS) $(HELPERS) $(IMAGE_16) ## run every test; SUITES="cli tidy" picks shell suites
+	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) SUITES="$(SUITES)" \
+	  sh tests/run_all.sh $(TESTS) $(IMAGE_16)
+
+SANITIZE := -fno-sanitize-recover=all -fno-omit-frame-pointer
+san: ## every test program and the command, under sanitizers of gcc and clang
+	$(MAKE) test SUITES=cli BUILD=build-san-gcc CC=gcc OPT=-O1 EXTRA="-fsanitize=address,undefined $(SANITIZE)"
+	$(MAKE) test SUITES=cli BUILD=build-san-clang CC=clang OPT=-O1 EXTRA="-fsanitize=address,undefined $(SANITIZE)"
+	$(MAKE) san-integer
+
+san-integer: ## rt and its tests under clang's integer sanitizer: a wrap is meant or a bug
+	$(MAKE) test SUITES=cli BUILD=build-san-integer CC=clang OPT=-O1 EXTRA="-fsanitize=integer $(SANITIZE)"
+
+checked: ## every test program and the command, where a sum out of its range traps
+	$(MAKE) test SUITES=cli BUILD=build-checked EXTRA=-DFRAY_CHECKED
+
+golden: $(FRAY) $(HELPERS) ## hashes of every tick and images: every machine, compiler and option
+	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) sh tests/cross/hashes.sh full
+	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) sh tests/cross/images.sh full
+
+golden-update: $(FRAY) $(HELPERS) ## write tests/golden anew; commit it alone and say why
+	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) sh tests/cross/hashes.sh update
+
+fuzz: $(FRAY) ## feed the parsers and the loader with damaged input, FUZZ_SECONDS each
+	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) sh tests/fuzz/fuzz.sh $(FUZZ_SECONDS)
+
+tidy: ## arrows between folders, sizes of files and functions, licences, cppcheck
+	@BUILD=$(BUILD) sh tests/tidy.sh
+
+size: $(FRAY) $(HELPERS) ## bytes of code and memory, x86-64 and Cortex-M3
+	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) sh tests/cross/size.sh
+
+bench: $(FRAY) ## time projections and stages
+	$(FRAY) bench
 
 clean: ## remove what was built
-	rm -rf $(BUILD) out
+	rm -rf $(BUILD) build-san-gcc build-san-clang build-san-integer build-checked out

@@ -78,7 +78,8 @@ typedef enum {
   FRAY_VERB_START, /* READY -> OPERATIONAL as soon as every hand has sent enough good poses */
   FRAY_VERB_STOP,  /* OPERATIONAL -> READY; forces fade out */
   FRAY_VERB_RESET, /* SAFE -> READY; clears the sticky faults */
-  FRAY_VERB_ZERO   /* OPERATIONAL: forces fade to zero and stay there until the next START */
+  FRAY_VERB_ZERO,  /* OPERATIONAL: forces fade to zero and stay there until the next START */
+  FRAY_VERB_HALT   /* any state -> SAFE; the runtime says it when it has lost the bus */
 } fray_verb;
 
 typedef struct {
@@ -96,7 +97,8 @@ enum {
   FRAY_FAULT_STALE_RIGHT = 1u << 1,
   FRAY_FAULT_CONTACTS_FULL = 1u << 2, /* raise `limits contacts` */
   FRAY_FAULT_CUTS_WAIT = 1u << 3,     /* more springs over their threshold than `cuts_per_tick` */
-  FRAY_FAULT_LEFT_WORLD = 1u << 4     /* something was held back at the edge of the world */
+  FRAY_FAULT_LEFT_WORLD = 1u << 4,    /* something was held back at the edge of the world */
+  FRAY_FAULT_HALTED = 1u << 5         /* HALT: the bus was lost, or an operator said so */
 };
 
 typedef enum {

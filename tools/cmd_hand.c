@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* fray hand: a simulated two-handed device that follows a script; in this version into a log. */
+/* fray hand: a simulated two-handed device that follows a script, into a log or on a bus. */
 #include "tools/cmd_hand.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "rt/wire/codec.h"
+#include "tools/hand_live.h"
 #include "tools/open.h"
 #include "tools/options.h"
 #include "tools/record.h"
@@ -15,9 +16,11 @@ enum { EXIT_GOOD = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
 
 static void print_usage(FILE *out) {
   fputs("usage: fray hand -o OUT.log X.hand\n"
+        "       fray hand --can IFACE X.hand [--free] [--patience MS] [trouble]\n"
         "\n"
         "Writes what a two-handed device would send that follows the script X.hand: a log in the\n"
-        "format of `candump -L`, the same on every machine, for `fray run --log`.\n"
+        "format of `candump -L`, the same on every machine, for `fray run --log`. With --can it is\n"
+        "on a real bus: an arm (300 N/m) that follows the script and that the forces push.\n"
         "\n"
         "  rate 1000 Hz          poses a second (default 1000)\n"
         "  seed 7                of the noise (default 1)\n"
@@ -27,7 +30,14 @@ static void print_usage(FILE *out) {
         "  command 0.1 s start   start, stop, reset or zero\n"
         "  left { 0 s 0 0 0 mm  5 s -25 2 0 mm }    keys: time, x y z; right likewise\n"
         "\n"
-        "exit: 0 written, 1 writing failed, 2 wrong use or input\n",
+        "  --free           its own clock; without it, one pose a hand for each SYNC\n"
+        "  --rigid          forces do not move it\n"
+        "  --patience MS    ends after so long without a SYNC (default 2000, 0: never)\n"
+        "trouble, in thousandths of the poses: --drop N --repeat N --reorder N --corrupt N;\n"
+        "  --freeze MS (silent from then on), --jump MS (corner to corner from then on),\n"
+        "  --flood HZ (frames besides), --seed N\n"
+        "\n"
+        "exit: 0 good, 1 writing failed or the runtime fell silent, 2 wrong use or input\n",
         out);
 }
 
@@ -85,24 +95,48 @@ static int read_script(const char *path, script *s) {
   return good;
 }
 
-int cmd_hand(int argc, char **argv) {
-  const char *out_file = NULL;
-  const char *script_file = NULL;
-  const option table[] = {{"-o", &out_file, NULL, NULL, 0, 0}};
-  const options_result wish = options_parse(argc, argv, table, 1, &script_file);
-  if (wish == OPTIONS_HELP) {
-    print_usage(stdout);
-    return EXIT_GOOD;
-  }
-  if (wish == OPTIONS_GOOD && (out_file == NULL || script_file == NULL))
-    fprintf(stderr, "fray hand: expected -o OUT.log and a script; fray hand --help tells more\n");
-  if (out_file == NULL || script_file == NULL || wish == OPTIONS_WRONG) return EXIT_USAGE;
+static int run_script(const char *script_file, const char *out_file, const device_trouble *trouble,
+                      const hand_live_options *live) {
   script *s = malloc(sizeof *s);
+  int code = EXIT_USAGE;
   if (s == NULL) {
     fprintf(stderr, "fray hand: not enough memory\n");
     return EXIT_FAILED;
   }
-  const int code = read_script(script_file, s) ? write_log(out_file, s) : EXIT_USAGE;
+  if (read_script(script_file, s))
+    code = out_file != NULL ? write_log(out_file, s) : hand_live_run(s, trouble, live);
   free(s);
   return code;
+}
+
+int cmd_hand(int argc, char **argv) {
+  const char *out_file = NULL;
+  const char *script_file = NULL;
+  hand_live_options live = {NULL, 0, 0, 2000};
+  device_trouble t = {0, 0, 0, 0, 0, 0, 0, 1};
+  int rigid = 0;
+  const option table[] = {
+      {"-o", &out_file, NULL, NULL, 0, 0},          {"--can", &live.interface, NULL, NULL, 0, 0},
+      {"--free", NULL, NULL, &live.free_running, 0, 0}, {"--rigid", NULL, NULL, &rigid, 0, 0},
+      {"--patience", NULL, &live.patience_ms, NULL, 0, 3600000},
+      {"--drop", NULL, &t.drop, NULL, 0, 1000},     {"--repeat", NULL, &t.repeat, NULL, 0, 1000},
+      {"--reorder", NULL, &t.reorder, NULL, 0, 1000},
+      {"--corrupt", NULL, &t.corrupt, NULL, 0, 1000},
+      {"--freeze", NULL, &t.freeze_ms, NULL, 1, 3600000},
+      {"--jump", NULL, &t.jump_ms, NULL, 1, 3600000},
+      {"--flood", NULL, &live.flood_hz, NULL, 1, 100000},
+      {"--seed", NULL, &t.seed, NULL, 0, UINT32_MAX}};
+  const options_result wish =
+      options_parse(argc, argv, table, sizeof table / sizeof table[0], &script_file);
+  if (wish == OPTIONS_HELP) {
+    print_usage(stdout);
+    return EXIT_GOOD;
+  }
+  const int one_target = (out_file != NULL) != (live.interface != NULL);
+  if (wish == OPTIONS_GOOD && (!one_target || script_file == NULL))
+    fprintf(stderr, "fray hand: expected a script and either -o OUT.log or --can IFACE; "
+                    "fray hand --help tells more\n");
+  if (wish == OPTIONS_WRONG || !one_target || script_file == NULL) return EXIT_USAGE;
+  t.rigid = (uint32_t)rigid;
+  return run_script(script_file, out_file, &t, &live);
 }

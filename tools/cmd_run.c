@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tools/live.h"
 #include "tools/options.h"
 #include "tools/pieces.h"
 #include "tools/progress.h"
@@ -19,8 +20,9 @@
 enum { DEFAULT_TICKS = 1000, PICTURES = 8, PATH_ROOM = 1024 };
 
 typedef struct {
-  const char *file, *log, *record, *report, *save;
-  uint32_t ticks, instance;
+  const char *file, *log, *record, *report, *save, *can;
+  uint32_t ticks, instance, priority, cpu;
+  int realtime;
 } run_options;
 
 typedef struct {
@@ -38,7 +40,7 @@ typedef struct {
 
 static void print_usage(FILE *out) {
   fprintf(out,
-          "usage: fray run X.scene|X.img [--log IN.log] [options]\n\n"
+          "usage: fray run X.scene|X.img [--log IN.log | --can IFACE] [options]\n\n"
           "Steps a world. Its inputs are the POSE and COMMAND frames of a log: a device log, by\n"
           "their times, or a recording, by its SYNCs.\n\n"
           "  --log FILE       inputs (candump -L); without it nothing moves the hands\n"
@@ -46,7 +48,11 @@ static void print_usage(FILE *out) {
           "  --record FILE    writes the bus as a candump log that `fray verify` accepts\n"
           "  --report DIR     pictures, plots of forces and work, summary.txt\n"
           "  --save FILE      writes the last state as an image\n"
-          "  --instance N     which runtime on the bus, 0 to 7 (default 0)\n\n"
+          "  --instance N     which runtime on the bus, 0 to 7 (default 0)\n"
+          "  --can IFACE      runs on a SocketCAN interface until --ticks or SIGINT;\n"
+          "                   --record then logs everything that passes on the bus\n"
+          "  --realtime       SCHED_FIFO (--priority N, default 80) and locked memory\n"
+          "  --cpu N          pins the process to a CPU\n\n"
           "The last line is `hash <16 hex> ticks <n> tears <n> pieces <n> faults <n>`.\n\n"
           "exit: 0 good, 1 the run failed, 2 wrong use or unreadable input\n",
           DEFAULT_TICKS);
@@ -172,42 +178,78 @@ static int write_report(const run_job *j, const piece *pieces, uint32_t count) {
   return write_summary(j, pieces, count);
 }
 
+/* The hash, and what became of the sheet. */
+static void print_end(const run_job *j, const piece *pieces, uint32_t count) {
+  print_summary(j, stdout, pieces, count);
+  printf("hash %016" PRIx64 " ticks %u tears %u pieces %u faults %u\n",
+         fray_hash(j->s.opened.world), j->ticks, j->last.cuts_total, count, j->faults);
+}
+
+static int run_live(run_job *j) {
+  const run_options *o = j->o;
+  const live_options live = {o->can,      o->record,   o->instance, o->ticks,
+                             o->realtime, o->priority, o->cpu};
+  piece pieces[8];
+  const int code = live_run(j->s.opened.world, &live, &j->last);
+  if (code == 2 || (o->save != NULL && !save(j))) return code == 2 ? 2 : 1;
+  j->ticks = fray_describe(j->s.opened.world).tick - j->s.facts.tick;
+  j->faults = j->last.faults;
+  j->first_cut = UINT32_MAX;
+  print_end(j, pieces, pieces_find(j->s.opened.world, pieces, 8));
+  return code;
+}
+
 static int finish(run_job *j) {
   piece pieces[8];
   const uint32_t count = pieces_find(j->s.opened.world, pieces, 8);
   if (j->o->save != NULL && !save(j)) return 0;
   if (j->o->report != NULL && !write_report(j, pieces, count)) return 0;
-  print_summary(j, stdout, pieces, count);
-  printf("hash %016" PRIx64 " ticks %u tears %u pieces %u faults %u\n",
-         fray_hash(j->s.opened.world), j->ticks, j->last.cuts_total, count, j->faults);
+  print_end(j, pieces, count);
   return 1;
+}
+
+static int run_all(run_job *j) {
+  const int code = session_open(&j->s, j->o->file, j->o->log, j->o->instance);
+  if (code != 0) return code;
+  int result;
+  if (j->o->can != NULL)
+    result = run_live(j);
+  else
+    result = (j->o->report == NULL || album_make_folder(j->o->report)) && begin(j) && run(j) &&
+                     finish(j)
+                 ? 0
+                 : 1;
+  run_trace_close(&j->trace);
+  album_close(&j->pictures);
+  if (j->out != NULL) fclose(j->out);
+  session_close(&j->s);
+  return result;
 }
 
 int cmd_run(int argc, char **argv) {
   run_options o;
   run_job *j = calloc(1, sizeof *j);
   memset(&o, 0, sizeof o);
+  o.priority = 80;
+  o.cpu = LIVE_ANY_CPU;
   const option table[] = {
       {"--log", &o.log, NULL, NULL, 0, 0},       {"--ticks", NULL, &o.ticks, NULL, 1, 1u << 26},
       {"--record", &o.record, NULL, NULL, 0, 0}, {"--report", &o.report, NULL, NULL, 0, 0},
-      {"--save", &o.save, NULL, NULL, 0, 0},     {"--instance", NULL, &o.instance, NULL, 0, 7}};
-  const options_result wish = options_parse(argc, argv, table, 6, &o.file);
+      {"--save", &o.save, NULL, NULL, 0, 0},     {"--instance", NULL, &o.instance, NULL, 0, 7},
+      {"--can", &o.can, NULL, NULL, 0, 0},       {"--realtime", NULL, NULL, &o.realtime, 0, 0},
+      {"--priority", NULL, &o.priority, NULL, 1, 99},
+      {"--cpu", NULL, &o.cpu, NULL, 0, 1023}};
+  const options_result wish =
+      options_parse(argc, argv, table, sizeof table / sizeof table[0], &o.file);
   int code = 2;
   if (wish == OPTIONS_HELP || (wish == OPTIONS_GOOD && o.file == NULL)) {
     print_usage(wish == OPTIONS_HELP ? stdout : stderr);
     code = wish == OPTIONS_HELP ? 0 : 2;
+  } else if (o.can != NULL && (o.log != NULL || o.report != NULL)) {
+    fprintf(stderr, "fray run: --can excludes --log and --report; render its recording instead\n");
   } else if (wish == OPTIONS_GOOD && j != NULL) {
     j->o = &o;
-    code = session_open(&j->s, o.file, o.log, o.instance);
-    if (code == 0) {
-      code = (o.report == NULL || album_make_folder(o.report)) && begin(j) && run(j) && finish(j)
-                 ? 0
-                 : 1;
-      run_trace_close(&j->trace);
-      album_close(&j->pictures);
-      if (j->out != NULL) fclose(j->out);
-      session_close(&j->s);
-    }
+    code = run_all(j);
   }
   free(j);
   return code;

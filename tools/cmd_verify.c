@@ -18,6 +18,7 @@ typedef struct {
   const char *log_file;
   const char *scene_file;
   uint32_t instance;
+  int cut;
 } options;
 
 /* One run against its recording. */
@@ -30,7 +31,7 @@ typedef struct {
 } verifier;
 
 static void print_usage(FILE *out) {
-  fputs("usage: fray verify RUN.log --scene X.scene|X.img [--instance N]\n"
+  fputs("usage: fray verify RUN.log --scene X.scene|X.img [--instance N] [--cut]\n"
         "\n"
         "Replays a recording (candump -L of the bus, with its SYNCs) and compares every tick:\n"
         "the hash in SYNC, and the FORCE, ACK and TEAR frames. Prints the first tick that\n"
@@ -38,6 +39,8 @@ static void print_usage(FILE *out) {
         "\n"
         "  --scene FILE   the scene or image that the run started from\n"
         "  --instance N   which runtime on the bus, 0 to 7 (default 0)\n"
+        "  --cut          the recording was broken off (kill -9, power): leaves out half a last\n"
+        "                 line and what stands behind the last SYNC\n"
         "\n"
         "exit: 0 the same, 1 differs or the recording is not complete, 2 wrong use or input\n",
         out);
@@ -167,6 +170,19 @@ static int verify_world(const options *o, const candump_log *log, struct opened 
   return code;
 }
 
+/* As candump_load(), but takes a file that ends anywhere. */
+static int load_cut(const options *o, candump_log *log, candump_error *error) {
+  size_t bytes = 0;
+  uint8_t *text = world_read_file(o->log_file, &bytes, stderr);
+  if (text == NULL) return candump_fail(error, o->log_file, 0, 0, "expected a log");
+  while (bytes > 0 && text[bytes - 1] != '\n') --bytes;
+  const int good = candump_parse_all(o->log_file, (const char *)text, bytes, log, error);
+  free(text);
+  const uint32_t sync = dictionary_id(MESSAGE_SYNC, o->instance);
+  while (good && log->count > 0 && log->entries[log->count - 1].frame.id != sync) --log->count;
+  return good;
+}
+
 int cmd_verify(int argc, char **argv) {
   options o;
   candump_log log;
@@ -174,8 +190,9 @@ int cmd_verify(int argc, char **argv) {
   struct opened opened;
   memset(&o, 0, sizeof o);
   const option table[] = {{"--scene", &o.scene_file, NULL, NULL, 0, 0},
-                          {"--instance", NULL, &o.instance, NULL, 0, 7}};
-  const options_result wish = options_parse(argc, argv, table, 2, &o.log_file);
+                          {"--instance", NULL, &o.instance, NULL, 0, 7},
+                          {"--cut", NULL, NULL, &o.cut, 0, 0}};
+  const options_result wish = options_parse(argc, argv, table, 3, &o.log_file);
   if (wish == OPTIONS_HELP) {
     print_usage(stdout);
     return EXIT_SAME;
@@ -183,7 +200,7 @@ int cmd_verify(int argc, char **argv) {
   if (wish == OPTIONS_GOOD && (o.log_file == NULL || o.scene_file == NULL))
     fprintf(stderr, "fray verify: expected a recording and --scene; fray verify --help tells more\n");
   if (wish == OPTIONS_WRONG || o.log_file == NULL || o.scene_file == NULL) return EXIT_USAGE;
-  if (!candump_load(o.log_file, &log, &error)) {
+  if (!(o.cut ? load_cut(&o, &log, &error) : candump_load(o.log_file, &log, &error))) {
     candump_print_error(stderr, &error);
     return EXIT_USAGE;
   }

@@ -77,8 +77,8 @@ FX_WRAPS static inline int64_t fx_sub64(int64_t a, int64_t b) {
 }
 FX_WRAPS static inline int64_t fx_mul64(int64_t a, int64_t b) {
 #ifdef FRAY_CHECKED
-  int64_t exact;
-  FX_CHECK(!__builtin_mul_overflow(a, b, &exact));
+  int64_t checked;
+  FX_CHECK(!__builtin_mul_overflow(a, b, &checked));
 #endif
   return (int64_t)((uint64_t)a * (uint64_t)b);
 }

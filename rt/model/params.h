@@ -91,7 +91,7 @@ typedef struct {
   X(hash_low,           WORD_MIN,   WORD_MAX)  /* what the last tick reported; not hashed */ \
   X(hash_high,          WORD_MIN,   WORD_MAX) \
   X(cuts_total,         0,          LIMIT_ROWS) \
-  X(faults,             0,          31) \
+  X(faults,             0,          63) \
   X(mode,               FRAY_READY, FRAY_SAFE) \
   X(starting,           0,          1)         /* START taken, hands not armed yet */ \
   X(muted,              0,          1)         /* ZERO: forces stay at zero */ \

@@ -51,6 +51,11 @@ static fray_result obey(state *s, uint32_t verb) {
       if (s->mode != FRAY_OPERATIONAL) return FRAY_RESULT_REFUSED;
       s->muted = 1;
       return FRAY_RESULT_OK;
+    case FRAY_VERB_HALT:
+      s->starting = 0;
+      s->mode = FRAY_SAFE;
+      s->faults |= (int32_t)FRAY_FAULT_HALTED;
+      return FRAY_RESULT_OK;
     default:
       return FRAY_RESULT_UNKNOWN;
   }

@@ -150,6 +150,17 @@ FIXTURE fray_output fixture_tick(fixture *f, const fray_input *input) {
   return out;
 }
 
+/* The sheet of tests/scenes/hanging.scene, with its own choice of the rest: held along its top. */
+FIXTURE void fixture_hanging(fixture *f, uint32_t warps, uint32_t wefts, uint32_t substeps,
+                             const char *settle, const char *gather, const char *drag) {
+  fixture_print(f,
+                "scene hanging\nrate 1000 Hz\nsubsteps %u\nsweeps 1\nsettle %s\n"
+                "gravity 0 -981 0 cm/s2\nseed 1\nsheet {\n warps %u\n wefts %u\n spacing 12 /cm\n"
+                " density 0.25 g/cm2\n thickness 0.01 cm\n structural 6000 g/s2\n bend 5 g/s2\n"
+                " shear 2 g/s2\n tear off\n gather %s pleats 8\n drag %s\n}\npin row top\n",
+                substeps, settle, warps, wefts, gather, drag);
+}
+
 /* What the builder owns and tests bend: the world's constants lie in f->image, which is ours. */
 FIXTURE params *fixture_params(fixture *f) { return (params *)(uintptr_t)f->w->params; }
 

@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#define _GNU_SOURCE /* ppoll, in sys.h */
+
+#include "platform/linux/board.h"
+
+#include <string.h>
+
+#include "platform/linux/sys.h"
+#include "platform/log/candump.h"
+#include "platform/platform.h"
+#include "rt/wire/dictionary.h"
+
+enum { READS_PER_SYNC = 1024 };
+
+board linux_board;
+
+int board_open(const char *interface, uint32_t instance, uint32_t rate_hz, FILE *log) {
+  can_setting setting;
+  memset(&linux_board, 0, sizeof linux_board);
+  memset(&setting, 0, sizeof setting);
+  for (uint32_t m = 0; m < MESSAGES; ++m)
+    setting.ids[setting.count++] = (uint16_t)dictionary_id((dictionary_message)m, instance);
+  setting.fd = 1;
+  linux_board.log = log;
+  if (!can_open(&linux_board.can, interface, &setting)) return 0;
+  timer_begin(&linux_board.timer, rate_hz);
+  return 1;
+}
+
+static void write_log(const frame *f, int64_t time_us) {
+  char line[CANDUMP_TEXT];
+  if (linux_board.log == NULL) return;
+  const size_t bytes = candump_format(line, linux_board.can.name, time_us, f);
+  if (sys_log(linux_board.log, line, bytes) != 0) ++linux_board.log_lost;
+}
+
+static can_event receive(frame *f) {
+  int64_t time_us;
+  const can_event event = can_receive(&linux_board.can, f, &time_us);
+  if (event != CAN_NOTHING) write_log(f, time_us);
+  return event;
+}
+
+void board_close(int64_t timeout_us) {
+  frame f;
+  const int64_t end_ns = timer_now_ns() + timeout_us * 1000;
+  while (timer_now_ns() < end_ns)
+    if (receive(&f) == CAN_NOTHING && !can_wait(&linux_board.can, 1000)) break;
+  if (linux_board.log != NULL && sys_flush(linux_board.log) != 0) ++linux_board.log_lost;
+  can_close(&linux_board.can);
+}
+
+int32_t platform_wait(void) {
+  if (linux_board.stopping) return -1;
+  return timer_wait(&linux_board.timer);
+}
+
+static int same_frame(const frame *a, const frame *b) {
+  return a->id == b->id && a->length == b->length && memcmp(a->data, b->data, a->length) == 0;
+}
+
+/* Everything up to the echo of the SYNC. Frames behind the cap stay in the socket's buffer. */
+platform_result platform_sync(const frame *sync, port *p) {
+  const int64_t end_ns = timer_now_ns() + PLATFORM_CONFIRM_US * 1000;
+  frame f;
+  int sent = 0;
+  uint32_t reads = 0;
+  for (int64_t now = 0; now < end_ns; now = timer_now_ns()) {
+    if (!sent) sent = can_send(&linux_board.can, sync);
+    const can_event event = receive(&f);
+    if (event == CAN_ECHO && same_frame(&f, sync)) return PLATFORM_SENT;
+    if (event == CAN_RECEIVED) port_push(p, &f);
+    if (event != CAN_NOTHING) {
+      if (++reads == READS_PER_SYNC) break;
+    } else if (linux_board.can.down || linux_board.can.bus_off) {
+      return PLATFORM_LOST;
+    } else {
+      (void)can_wait(&linux_board.can, 100);
+    }
+  }
+  if (reads == READS_PER_SYNC) ++linux_board.reads_capped;
+  return PLATFORM_LOST;
+}
+
+platform_result platform_send(const frame *f) {
+  if (can_send(&linux_board.can, f)) return PLATFORM_SENT;
+  ++linux_board.sends_dropped;
+  return PLATFORM_LOST;
+}

@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "platform/loop.h"
+
+#include "rt/base/bytes.h"
+
+void loop_begin(loop *l, fray_world *world, uint32_t instance) {
+  const fray_facts f = fray_describe(world);
+  bytes_zero(l, sizeof *l);
+  l->world = world;
+  l->tick = f.tick;
+  l->hash = (uint32_t)(fray_hash(world) & 0xFFFFFFFFu);
+  port_init(&l->in, instance, f.hands, f.consumed);
+  port_sender_init(&l->out, instance, f.hands, f.rate_hz);
+}
+
+void loop_command(loop *l, uint8_t verb) { l->command = verb; }
+
+/* The verb is said on the bus first, so that a log of the bus holds every input. */
+static void say_command(loop *l) {
+  frame f;
+  l->command_counter = (uint8_t)((l->command_counter + 1u) & 15u);
+  const codec_command command = {l->command_counter, l->command, 0};
+  codec_encode_command(&f, l->out.instance, &command);
+  if (platform_send(&f) != PLATFORM_SENT) return; /* tried again in the next tick */
+  l->input.verb = l->command;
+  l->input.verb_counter = l->command_counter;
+  l->command = FRAY_VERB_NONE;
+}
+
+static void send_outputs(loop *l) {
+  frame frames[PORT_OUT];
+  l->out.overruns = (uint16_t)(l->overruns < 65535u ? l->overruns : 65535u);
+  const uint32_t count = port_encode(&l->out, &l->output, frames);
+  for (uint32_t n = 0; n < count; ++n) (void)platform_send(&frames[n]);
+}
+
+loop_result loop_run(loop *l) {
+  const codec_sync sync = {l->tick, l->hash};
+  frame f;
+  const int32_t missed = platform_wait();
+  if (missed < 0) return LOOP_STOPPED;
+  l->overruns += (uint32_t)missed;
+  codec_encode_sync(&f, l->out.instance, &sync);
+  if (platform_sync(&f, &l->in) != PLATFORM_SENT) {
+    ++l->bus_losses;
+    l->halt = 1;
+    return LOOP_BUS_LOST;
+  }
+  port_take(&l->in, &l->input);
+  if (l->halt != 0) l->command = FRAY_VERB_HALT;
+  if (l->command != FRAY_VERB_NONE) say_command(l);
+  if (l->input.verb == FRAY_VERB_HALT) l->halt = 0;
+  fray_tick(l->world, &l->input, &l->output);
+  l->tick = l->output.tick + 1u;
+  l->hash = (uint32_t)(l->output.hash & 0xFFFFFFFFu);
+  send_outputs(l);
+  return LOOP_TICKED;
+}

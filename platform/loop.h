@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The loop of one world on one bus; the same file on Linux and on targets. It reads no clock. */
+#ifndef FRAY_PLATFORM_LOOP_H
+#define FRAY_PLATFORM_LOOP_H
+
+#include "platform/platform.h"
+
+typedef struct {
+  fray_world *world;
+  port in;
+  port_sender out;
+  uint32_t tick;          /* of the next SYNC */
+  uint32_t hash;          /* low 32 bits that it carries */
+  uint32_t overruns;      /* ticks that came late */
+  uint32_t bus_losses;    /* SYNCs without a confirmation */
+  uint8_t halt;           /* the bus was lost: the next tick takes the world to SAFE */
+  uint8_t command;        /* a verb of the loop's own for the next tick, or 0 */
+  uint8_t command_counter;
+  fray_input input;       /* of the last tick */
+  fray_output output;
+} loop;
+
+typedef enum { LOOP_TICKED, LOOP_BUS_LOST, LOOP_STOPPED } loop_result;
+
+/* `instance` 0..7. The world stays the caller's. */
+void loop_begin(loop *l, fray_world *world, uint32_t instance);
+
+/* Waits for the next tick and runs it. LOOP_BUS_LOST: no tick was computed and no force was sent;
+ * the same SYNC is tried again. LOOP_STOPPED: platform_wait() said so. */
+loop_result loop_run(loop *l);
+
+/* The verb goes over the bus as a COMMAND of the loop's own and acts in the next tick, before
+ * what the bus says: STOP when the program ends. */
+void loop_command(loop *l, uint8_t verb);
+
+#endif

@@ -1,0 +1,185 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# What users do wrong: each with its exit code and the words that help. And what a recording must
+# not survive: a changed pose, a missing frame, another scene.
+. tests/lib/suite.sh
+
+work=$FRAY_BUILD/tests/cli
+alter=$FRAY_BUILD/tests/cli/alter
+rm -rf "$work.d"
+mkdir -p "$work.d"
+cd_work=$work.d
+small=tests/scenes/small.scene
+
+# wants CODE WORDS COMMAND...: WORDS must stand in what it says, on either stream
+wants() {
+  code=$1 words=$2
+  shift 2
+  found=0
+  "$@" >"$cd_work/said" 2>&1 </dev/null || found=$?
+  if [ "$found" -ne "$code" ]; then
+    fail "$*: exit $found, expected $code: $(head -n 3 "$cd_work/said")"
+  elif ! grep -qF -- "$words" "$cd_work/said"; then
+    fail "$*: does not say '$words': $(head -n 3 "$cd_work/said")"
+  else
+    pass
+  fi
+}
+# scene_says 'SED PROGRAM' WORDS: small.scene with an error in it
+scene_says() {
+  sed "$1" "$small" >"$cd_work/bad.scene"
+  wants 2 "bad.scene:$2" "$FRAY" scene "$cd_work/bad.scene" -o "$cd_work/bad.img"
+  if [ -e "$cd_work/bad.img" ]; then fail "an image was written for: $1"; fi
+}
+
+"$FRAY" scene "$small" -o "$cd_work/s.img" >/dev/null
+"$FRAY" hand -o "$cd_work/s.log" tests/cross/small.hand
+image=$cd_work/s.img log=$cd_work/s.log
+
+# ---- use
+wants 0 "usage: fray VERB" "$FRAY" --help
+wants 0 "image format" "$FRAY" --version
+for verb in scene run verify hand render info bench; do
+  wants 0 "usage: fray $verb" "$FRAY" "$verb" --help
+  wants 2 "--nonsense" "$FRAY" "$verb" --nonsense
+  wants 0 "$verb" "$FRAY" --help
+done
+for verb in scene run verify hand render info; do wants 2 "usage: fray $verb" "$FRAY" "$verb"; done
+wants 2 "usage: fray VERB" "$FRAY"
+wants 2 "no verb 'fly'" "$FRAY" fly
+wants 2 "'extra'" "$FRAY" run "$image" extra
+wants 2 "--ticks '0', expected a number from 1" "$FRAY" run "$image" --ticks 0
+wants 2 "--ticks 'many'" "$FRAY" run "$image" --ticks many
+wants 2 "--ticks, expected a value" "$FRAY" run "$image" --ticks
+wants 2 "expected a number from 0 to 7" "$FRAY" run "$image" --instance 8
+wants 2 "--instance" "$FRAY" verify "$log" --scene "$image" --instance 9
+
+# ---- files that are not there, or cannot be written
+for name in none.scene none.img; do
+  wants 2 "$name: cannot be opened" "$FRAY" run "$cd_work/$name"
+  wants 2 "$name: cannot be opened" "$FRAY" info "$cd_work/$name"
+done
+wants 2 "none.log: cannot be opened" "$FRAY" run "$image" --log "$cd_work/none.log"
+wants 2 "none.log: cannot be opened" "$FRAY" verify "$cd_work/none.log" --scene "$image"
+wants 2 "none.hand: cannot be opened" "$FRAY" hand -o "$cd_work/x.log" "$cd_work/none.hand"
+wants 2 "cannot be read" "$FRAY" run "$cd_work"
+wants 1 "cannot be written" "$FRAY" scene "$small" -o "$cd_work/no/such.img"
+wants 1 "cannot be written" "$FRAY" run "$image" --ticks 3 --record "$cd_work/no/such.log"
+wants 1 "cannot be written" "$FRAY" run "$image" --ticks 3 --save "$cd_work/no/such.img"
+if [ -w /dev/full ]; then
+  wants 1 "cannot be written" "$FRAY" run "$image" --ticks 300 --record /dev/full
+  wants 1 "cannot be written" "$FRAY" scene "$small" -o /dev/full
+fi
+
+# ---- scenes
+scene_says 's/spacing/spaceing/' "12:3: found 'spaceing', expected a key of the sheet: warps"
+scene_says 's/12 .cm/12 s/' "12:14: found 's', expected a unit of length"
+scene_says 's/-981 0 cm.s2/-981 0 cm/' "6:"
+scene_says 's/warps 8/warps 1025/' "10:9: found '1025', expected 2 to 1024 for 'warps'"
+scene_says 's/wefts 8/wefts 1/' "11:9: found '1', expected 2 to 1024"
+scene_says 's/pin row top/pin crossing 8 0/' "22:1: found a pin at warp 8, weft 0, expected it inside the grid"
+scene_says '/^sheet/,/^}/d' "1:1: the scene has no 'sheet'"
+scene_says 's/substeps 8/substeps 129/' "5:10: found '129', expected"
+scene_says 's/substeps 8/substeps eight/' "5:10: found 'eight'"
+scene_says 's/rate 1000 Hz/rate 20 kHz/' "4:6:"
+scene_says 's/seed 88/seed 88 seed 9/' "7:"
+scene_says 's/radius 0.1 cm/radius -1 cm/' "25:"
+scene_says 's/contacts 16/contacts 9999999/' "32:"
+scene_says '$d' "31:"
+printf 'scene x\n\001\377' >"$cd_work/binary.scene"
+wants 2 "binary.scene:2:1" "$FRAY" scene "$cd_work/binary.scene"
+
+# ---- images
+: >"$cd_work/empty.img"
+wants 2 "empty.img" "$FRAY" run "$cd_work/empty.img"
+wants 2 "empty.img" "$FRAY" info "$cd_work/empty.img"
+for bytes in 4 50 95 96 3000; do
+  head -c "$bytes" "$image" >"$cd_work/cut.img"
+  wants 2 "cut.img: the image is cut off" "$FRAY" run "$cd_work/cut.img"
+done
+for bit in 130 3000 30001 54000; do
+  "$alter" flip "$image" "$bit" >"$cd_work/flipped.img"
+  wants 2 "flipped.img: " "$FRAY" run "$cd_work/flipped.img"
+  wants 2 "flipped.img: " "$FRAY" info "$cd_work/flipped.img"
+done
+"$alter" flip "$image" 30001 >"$cd_work/flipped.img"
+wants 2 "the image is damaged (CRC)" "$FRAY" verify "$log" --scene "$cd_work/flipped.img"
+"$alter" mend "$image" 51 >"$cd_work/version.img" # the major version, 1 to 9
+wants 2 "another version of the image format" "$FRAY" run "$cd_work/version.img"
+"$alter" mend "$image" 4251 >"$cd_work/field.img" # params: substeps, or what stands there
+"$FRAY" info "$cd_work/field.img" >/dev/null 2>&1 || wants 2 "section 1" "$FRAY" info "$cd_work/field.img"
+wants 0 "hash " "$FRAY" run "$image" --ticks 5 --save "$cd_work/saved.img"
+wants 0 "at tick 5" "$FRAY" info "$cd_work/saved.img"
+
+# ---- logs
+sed 's/$/\r/' "$log" >"$cd_work/crlf.log"
+wants 2 "crlf.log:1:47: found a carriage return" "$FRAY" run "$image" --log "$cd_work/crlf.log"
+head -c 20010 "$log" >"$cd_work/half.log"
+wants 2 "half.log:426:" "$FRAY" run "$image" --log "$cd_work/half.log"
+sed '7s/#/ /' "$log" >"$cd_work/bad.log"
+wants 2 "bad.log:7:" "$FRAY" run "$image" --log "$cd_work/bad.log"
+sed '9s/1000000000/10000000000000000000000/' "$log" >"$cd_work/bad.log"
+wants 2 "bad.log:9:" "$FRAY" run "$image" --log "$cd_work/bad.log"
+# ids of others are left alone: as if no hand were there
+sed 's/ 102#/ 7FF#/' "$log" >"$cd_work/other.log"
+wants 0 "tears 0" "$FRAY" run "$image" --log "$cd_work/other.log"
+# a pose whose check is wrong is not taken, the run goes on
+sed '300s/#../#00/' "$log" >"$cd_work/crc.log"
+wants 0 "hash " "$FRAY" run "$image" --log "$cd_work/crc.log"
+wants 2 "torn.hand:" "$FRAY" run tests/cross/torn.hand
+
+# ---- scripts
+sed 's/0.6 s  2/0.6 s  200/' tests/cross/small.hand >"$cd_work/bad.hand"
+wants 2 "bad.hand:11:" "$FRAY" hand -o "$cd_work/x.log" "$cd_work/bad.hand"
+sed 's/start/stat/' tests/cross/small.hand >"$cd_work/bad.hand"
+wants 2 "bad.hand:7:" "$FRAY" hand -o "$cd_work/x.log" "$cd_work/bad.hand"
+
+# ---- recordings
+record=$cd_work/r.log
+wants 0 "hash " "$FRAY" run "$image" --log "$log" --record "$record"
+last=$(tail -n 1 "$cd_work/said")
+hash=$(echo "$last" | cut -d' ' -f2)
+wants 0 "verified 800 ticks, hash $hash" "$FRAY" verify "$record" --scene "$image"
+wants 0 "verified 800 ticks, hash $hash" "$FRAY" verify "$record" --scene "$small"
+wants 0 "$last" "$FRAY" run "$image" --log "$record"
+"$FRAY" run "$image" --log "$record" --record "$cd_work/again.log" >/dev/null
+if cmp "$record" "$cd_work/again.log"; then pass; else fail "the recording of a recording differs"; fi
+
+changed() { # pose of this tick changed: line of the log
+  "$alter" pose "$record" "$1" 1 "$2" >"$cd_work/pose.log"
+  diff "$record" "$cd_work/pose.log" | sed -n '1s/c.*//p'
+}
+for tick in 11 170 300 799; do
+  for axis in 0 1 2; do
+    line=$(changed "$tick" "$axis")
+    wants 1 "tick $tick differs" "$FRAY" verify "$cd_work/pose.log" --scene "$image"
+    if head -n 1 "$cd_work/said" | grep -q "^tick $tick differs"; then pass; else fail "tick $tick axis $axis: another tick is named first"; fi
+    sed "${line}d" "$record" >"$cd_work/missing.log"
+    wants 1 "tick $tick consumed a POSE right" "$FRAY" verify "$cd_work/missing.log" --scene "$image"
+  done
+done
+
+# without_line PATTERN WORDS: the first line that matches is gone
+without_line() {
+  line=$(grep -n "$1" "$record" | head -n 1 | cut -d: -f1)
+  sed "${line}d" "$record" >"$cd_work/missing.log"
+  wants 1 "$2" "$FRAY" verify "$cd_work/missing.log" --scene "$image"
+}
+without_line ' 080#2C010000' "missing.log:914: SYNC of tick 301, expected tick 300: a SYNC is missing"
+without_line ' 182#' "a FORCE or a SYNC is missing"
+without_line ' 010#' "whose COMMAND is not in the log"
+without_line ' 011#' "differs: "
+without_line ' 200#' "TEAR"
+line=$(grep -n ' 080#2C010000' "$record" | cut -d: -f1)
+sed "${line}s/.\$/F/" "$record" >"$cd_work/hash.log"
+if cmp -s "$record" "$cd_work/hash.log"; then sed "${line}s/.\$/E/" "$record" >"$cd_work/hash.log"; fi
+wants 1 "tick 299 differs: SYNC at line $line says" "$FRAY" verify "$cd_work/hash.log" --scene "$image"
+wants 1 "expected a recording" "$FRAY" verify "$log" --scene "$image"
+wants 1 "no SYNC of instance 3" "$FRAY" verify "$record" --scene "$image" --instance 3
+wants 1 "has no FORCE left" "$FRAY" verify "$record" --scene tests/cross/torn.scene
+sed 's/seed 88/seed 89/' "$small" >"$cd_work/seed.scene"
+wants 1 "differs" "$FRAY" verify "$record" --scene "$cd_work/seed.scene"
+sed 's/density 0.25/density 0.26/' "$small" >"$cd_work/heavy.scene"
+wants 1 "differs" "$FRAY" verify "$record" --scene "$cd_work/heavy.scene"
+wants 1 "the recording starts with tick 0, the image with tick 5" "$FRAY" verify "$record" --scene "$cd_work/saved.img"
+suite_end

@@ -1,0 +1,133 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#define _GNU_SOURCE
+
+#include "tools/hand_live.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "platform/linux/can_socket.h"
+#include "platform/linux/timer.h"
+#include "rt/base/random.h"
+#include "rt/wire/codec.h"
+#include "rt/wire/dictionary.h"
+
+enum { WAIT_US = 500 };
+
+typedef struct {
+  const hand_live_options *o;
+  const script *script;
+  device device;
+  can_socket can;
+  timer_grid timer;
+  int64_t last_sync_ns, flood_next_ns;
+  uint32_t syncs, sent, refused, flooded, last_tick;
+} hand_live;
+
+static volatile sig_atomic_t asked_to_stop;
+
+static void ask_to_stop(int signal_number) {
+  (void)signal_number;
+  asked_to_stop = 1;
+}
+
+static void send_step(hand_live *l) {
+  frame frames[DEVICE_FRAMES];
+  const uint32_t count = device_step(&l->device, frames);
+  for (uint32_t n = 0; n < count; ++n) {
+    if (can_send(&l->can, &frames[n]))
+      ++l->sent;
+    else
+      ++l->refused;
+  }
+}
+
+/* A SYNC that is sent again, unchanged, is answered once. */
+static void answer_sync(hand_live *l, const codec_sync *sync) {
+  l->last_sync_ns = timer_now_ns();
+  if (l->syncs != 0 && sync->tick == l->last_tick) return;
+  l->last_tick = sync->tick;
+  ++l->syncs;
+  if (!l->o->free_running) send_step(l);
+}
+
+static void read_all(hand_live *l) {
+  frame f;
+  int64_t time_us;
+  codec_sync sync;
+  can_event event;
+  while ((event = can_receive(&l->can, &f, &time_us)) != CAN_NOTHING) {
+    if (event != CAN_RECEIVED) continue;
+    device_feel(&l->device, &f);
+    if (codec_decode_sync(&f, l->script->instance, &sync) == CODEC_OK) answer_sync(l, &sync);
+  }
+}
+
+/* Poses with a good look and a wrong CRC, and ids that nobody has. */
+static void flood(hand_live *l) {
+  const int64_t now = timer_now_ns();
+  while (l->o->flood_hz != 0 && l->flood_next_ns <= now) {
+    const uint32_t bits = random_bits(l->device.trouble.seed + 2u, l->flooded++);
+    frame f;
+    memset(&f, 0, sizeof f);
+    f.id = (bits & 1u) != 0 ? dictionary_id(MESSAGE_POSE_LEFT, l->script->instance)
+                            : 0x400u + (bits >> 8 & 0xFFu);
+    f.length = 8;
+    for (uint32_t n = 0; n < 8; ++n) f.data[n] = (uint8_t)(random_bits(bits, n) & 0xFFu);
+    (void)can_send(&l->can, &f);
+    l->flood_next_ns += 1000000000 / (int64_t)l->o->flood_hz;
+  }
+}
+
+static int fell_silent(const hand_live *l) {
+  const int64_t quiet_ns = timer_now_ns() - l->last_sync_ns;
+  return l->o->patience_ms != 0 && quiet_ns > (int64_t)l->o->patience_ms * 1000000;
+}
+
+/* Returns 0 iff the runtime fell silent. */
+static int run(hand_live *l) {
+  while (!asked_to_stop && !device_done(&l->device)) {
+    (void)can_wait(&l->can, l->o->flood_hz != 0 ? 50 : WAIT_US);
+    read_all(l);
+    flood(l);
+    if (l->o->free_running && timer_now_ns() >= l->timer.next_ns) {
+      (void)timer_wait(&l->timer);
+      send_step(l);
+    }
+    if (fell_silent(l)) return 0;
+  }
+  return 1;
+}
+
+static int open_bus(hand_live *l) {
+  can_setting setting;
+  memset(&setting, 0, sizeof setting);
+  const uint32_t instance = l->script->instance;
+  setting.ids[setting.count++] = (uint16_t)dictionary_id(MESSAGE_SYNC, instance);
+  for (uint32_t h = 0; h < FRAY_HANDS; ++h)
+    setting.ids[setting.count++] = (uint16_t)dictionary_id(dictionary_force(h), instance);
+  return can_open(&l->can, l->o->interface, &setting);
+}
+
+int hand_live_run(const script *s, const device_trouble *trouble, const hand_live_options *o) {
+  static hand_live l;
+  struct sigaction action;
+  memset(&l, 0, sizeof l);
+  memset(&action, 0, sizeof action);
+  action.sa_handler = ask_to_stop;
+  (void)sigaction(SIGINT, &action, NULL);
+  (void)sigaction(SIGTERM, &action, NULL);
+  l.o = o;
+  l.script = s;
+  device_begin(&l.device, s, trouble);
+  if (!open_bus(&l)) return 2;
+  timer_begin(&l.timer, s->rate_hz);
+  l.last_sync_ns = l.flood_next_ns = timer_now_ns();
+  const int good = run(&l);
+  can_close(&l.can);
+  printf("hand         %s: %u SYNCs, %u frames sent, %u refused, %u flooded\n", l.can.name, l.syncs,
+         l.sent, l.refused, l.flooded);
+  if (!good) fprintf(stderr, "%s: no SYNC for %u ms\n", o->interface, o->patience_ms);
+  return good ? 0 : 1;
+}

@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#define _GNU_SOURCE
+
+#include "tools/live.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "platform/linux/board.h"
+#include "platform/linux/realtime.h"
+#include "platform/loop.h"
+
+enum { FADE_TICKS_MAX = 1000, DRAIN_US = 20000, LOG_BUFFER = 1 << 16 };
+
+static volatile sig_atomic_t asked_to_stop;
+
+static void ask_to_stop(int signal_number) {
+  (void)signal_number;
+  asked_to_stop = 1;
+}
+
+static void catch_signals(void) {
+  struct sigaction action;
+  memset(&action, 0, sizeof action);
+  action.sa_handler = ask_to_stop;
+  (void)sigaction(SIGINT, &action, NULL);
+  (void)sigaction(SIGTERM, &action, NULL);
+  asked_to_stop = 0;
+}
+
+static int prepare(const live_options *o) {
+  if (o->cpu != LIVE_ANY_CPU && !realtime_pin((int)o->cpu)) return 0;
+  return !o->realtime || (realtime_lock_memory() && realtime_schedule((int)o->priority));
+}
+
+static int forces_are_zero(const fray_output *out) {
+  for (int h = 0; h < FRAY_HANDS; ++h)
+    for (int n = 0; n < 3; ++n)
+      if (out->force[h][n] != 0) return 0;
+  return 1;
+}
+
+/* STOP, then ticks until the forces have faded: the device's last word from us is zero. */
+static void fade_out(loop *l) {
+  loop_command(l, FRAY_VERB_STOP);
+  for (int n = 0; n < FADE_TICKS_MAX; ++n) {
+    if (loop_run(l) != LOOP_TICKED) continue;
+    if (l->command == FRAY_VERB_NONE && l->output.state != FRAY_OPERATIONAL &&
+        forces_are_zero(&l->output))
+      return;
+  }
+}
+
+static void print_bus(const loop *l) {
+  const port_statistics *p = &l->in.statistics;
+  const board *b = &linux_board;
+  printf("bus          %s: accepted %u, repeated %u, lost %u, wrong CRC %u, wrong length %u,\n"
+         "             wrong flags %u, wrong field %u, unknown id %u, queue full %u\n",
+         b->can.name, p->accepted, p->repeated, p->lost, p->wrong_crc, p->wrong_length,
+         p->wrong_flags, p->wrong_field, p->unknown_id, p->queue_full);
+  printf("             kernel drops %u, error frames %u, sends refused %u, SYNCs lost %u\n",
+         b->can.kernel_drops, b->can.error_frames, b->sends_dropped, l->bus_losses);
+  printf("lateness     p50 %.0f us, p99 %.0f us, worst %.0f us; %u ticks missed\n",
+         timer_quantile_us(&b->timer, 0.5), timer_quantile_us(&b->timer, 0.99),
+         (double)b->timer.worst_ns / 1e3, l->overruns);
+}
+
+static void run_ticks(loop *l, const live_options *o) {
+  uint32_t done = 0;
+  while (!asked_to_stop && (o->ticks == 0 || done < o->ticks))
+    if (loop_run(l) == LOOP_TICKED) ++done;
+  fade_out(l);
+}
+
+int live_run(fray_world *world, const live_options *o, fray_output *last) {
+  static char buffer[LOG_BUFFER]; /* stdio's own would be allocated in the loop */
+  static loop l;
+  FILE *log = NULL;
+  if (o->record != NULL) {
+    log = fopen(o->record, "w");
+    if (log == NULL) {
+      fprintf(stderr, "%s: cannot be written: %s\n", o->record, strerror(errno));
+      return 1;
+    }
+    (void)setvbuf(log, buffer, _IOFBF, sizeof buffer);
+  }
+  catch_signals();
+  int code = 2;
+  if (prepare(o) && board_open(o->interface, o->instance, fray_describe(world).rate_hz, log)) {
+    loop_begin(&l, world, o->instance);
+    run_ticks(&l, o);
+    board_close(DRAIN_US);
+    *last = l.output;
+    print_bus(&l);
+    code = 0;
+  }
+  const int closed = log == NULL || fclose(log) == 0;
+  if (code != 0 || (closed && linux_board.log_lost == 0)) return code;
+  fprintf(stderr, "%s: %llu lines could not be written\n", o->record,
+          (unsigned long long)linux_board.log_lost);
+  return 1;
+}
