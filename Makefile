@@ -10,7 +10,7 @@ FUZZ_SECONDS ?= 60
 
 RT_C := $(wildcard rt/*/*.c)
 TOOL_C := $(wildcard tools/*.c tools/*/*.c platform/*.c platform/log/*.c platform/linux/*.c)
-UNIT_C := $(wildcard tests/unit/*.c tests/oracle/*.c tests/run/*.c)
+UNIT_C := $(wildcard tests/unit/*.c tests/oracle/*.c tests/run/*.c tests/sim/test_*.c)
 HELPER_C := tests/cross/emit.c tests/cli/alter.c
 
 RT_O := $(RT_C:%.c=$(BUILD)/%.o)
@@ -20,9 +20,13 @@ RT_LIB := $(BUILD)/libfray.a
 FRAY := $(BUILD)/fray
 TESTS := $(UNIT_C:%.c=$(BUILD)/%)
 HELPERS := $(HELPER_C:%.c=$(BUILD)/%)
+SYS_FAULTS := $(BUILD)/tests/sim/test_sys_faults
+SIM_TESTS := $(filter-out $(SYS_FAULTS),$(filter $(BUILD)/tests/sim/%,$(TESTS)))
+SIM_O := $(BUILD)/tests/sim/sim_board.o
+FAULT_O := $(patsubst %,$(BUILD)/faults/platform/linux/%.o,board bus_log can_socket timer)
 IMAGE_16 := $(BUILD)/id16/tests/unit/test_image
 
-.PHONY: all help run test clean san checked golden golden-update fuzz tidy size bench force
+.PHONY: all help run test clean san san-integer checked golden golden-update fuzz tidy size bench force
 all: $(FRAY) ## build the `fray` command
 
 help: ## list the targets
@@ -45,14 +49,27 @@ $(BUILD)/%.o: %.c
 	@echo "  CC   $<"
 	@$(CC) $(FLAGS) -c $< -o $@
 
+# what must not wrap unless it says so: the runtime, and what computes images
+$(BUILD)/rt/%.o $(BUILD)/tools/build/%.o: FLAGS += $(EXACT)
+
 $(TESTS) $(HELPERS): $(BUILD)/%: $(BUILD)/%.o $(TOOLS_LIB) $(RT_LIB)
-	@$(CC) $(EXTRA) $^ -lm -o $@
+	@$(CC) $(EXTRA) $(filter %.o,$^) $(filter %.a,$^) -lm -o $@
+
+# Boards of their own: the bus in memory for the loop, and a kernel in memory for the board on Linux.
+$(SIM_TESTS): $(SIM_O)
+$(SYS_FAULTS): $(BUILD)/tests/sim/sys_faults.o $(FAULT_O)
+
+$(BUILD)/faults/%.o: %.c
+	@mkdir -p $(@D)
+	@echo "  CC   $< (FRAY_SYS_FAULTS)"
+	@$(CC) $(FLAGS) -DFRAY_SYS_FAULTS -c $< -o $@
 
 # the loader once more, with 16-bit ids
 $(IMAGE_16): force
-	@$(MAKE) --no-print-directory -s BUILD=$(BUILD)/id16 EXTRA="$(EXTRA) -DFRAY_ID_BITS=16" $@
+	@$(MAKE) --no-print-directory -s BUILD=$(BUILD)/id16 EXTRA="$(EXTRA) -DFRAY_ID_BITS=16" EXACT="$(EXACT)" $@
 
--include $(RT_O:.o=.d) $(TOOL_O:.o=.d) $(TESTS:=.d) $(HELPERS:=.d)
+-include $(RT_O:.o=.d) $(TOOL_O:.o=.d) $(TESTS:=.d) $(HELPERS:=.d) $(FAULT_O:.o=.d) \
+         $(SIM_O:.o=.d) $(BUILD)/tests/sim/sys_faults.d
 
 run: $(FRAY) ## tear a sheet with two hands from a log of the bus; results in out/
 	@mkdir -p out
@@ -66,12 +83,12 @@ test: $(FRAY) $(TESTS) $(HELPERS) $(IMAGE_16) ## run every test; SUITES="cli tid
 
 SANITIZE := -fno-sanitize-recover=all -fno-omit-frame-pointer
 san: ## every test program and the command, under sanitizers of gcc and clang
-	$(MAKE) test SUITES=cli BUILD=build-san-gcc CC=gcc OPT=-O1 EXTRA="-fsanitize=address,undefined $(SANITIZE)"
-	$(MAKE) test SUITES=cli BUILD=build-san-clang CC=clang OPT=-O1 EXTRA="-fsanitize=address,undefined $(SANITIZE)"
+	$(MAKE) test SUITES=cli BUILD=build-san-gcc CC=gcc OPT=-O2 EXTRA="-fsanitize=address,undefined $(SANITIZE)"
+	$(MAKE) test SUITES=cli BUILD=build-san-clang CC=clang OPT=-O2 EXTRA="-fsanitize=address,undefined $(SANITIZE)"
 	$(MAKE) san-integer
 
-san-integer: ## rt and its tests under clang's integer sanitizer: a wrap is meant or a bug
-	$(MAKE) test SUITES=cli BUILD=build-san-integer CC=clang OPT=-O1 EXTRA="-fsanitize=integer $(SANITIZE)"
+san-integer: ## rt and the scene compiler under clang's integer sanitizer: a wrap is meant or a bug
+	$(MAKE) test SUITES=cli BUILD=build-san-integer CC=clang OPT=-O2 EXTRA="-fsanitize=undefined $(SANITIZE)" EXACT=-fsanitize=integer
 
 checked: ## every test program and the command, where a sum out of its range traps
 	$(MAKE) test SUITES=cli BUILD=build-checked EXTRA=-DFRAY_CHECKED

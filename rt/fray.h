@@ -76,7 +76,7 @@ typedef struct {
 typedef enum {
   FRAY_VERB_NONE = 0,
   FRAY_VERB_START, /* READY -> OPERATIONAL as soon as every hand has sent enough good poses */
-  FRAY_VERB_STOP,  /* OPERATIONAL -> READY; forces fade out */
+  FRAY_VERB_STOP,  /* OPERATIONAL -> READY; forces fade out; withdraws a START that waits */
   FRAY_VERB_RESET, /* SAFE -> READY; clears the sticky faults */
   FRAY_VERB_ZERO,  /* OPERATIONAL: forces fade to zero and stay there until the next START */
   FRAY_VERB_HALT   /* any state -> SAFE; the runtime says it when it has lost the bus */
@@ -179,7 +179,13 @@ typedef struct {
   uint64_t weave; /* bit (j % rows) * 8 + (i % columns): the warp is over the weft */
 } fray_sheet;
 
-typedef enum { FRAY_ANCHOR = 0, FRAY_BALL = 1, FRAY_BOX = 2, FRAY_BAR = 3, FRAY_PLANE = 4 } fray_shape;
+typedef enum {
+  FRAY_ANCHOR = 0, /* has no surface: it only holds crossings where they are */
+  FRAY_BALL = 1,
+  FRAY_BOX = 2,
+  FRAY_BAR = 3, /* a capsule along its first axis */
+  FRAY_PLANE = 4
+} fray_shape;
 typedef enum { FRAY_FIXED = 0, FRAY_PATH = 1, FRAY_HAND = 2, FRAY_FREE = 3 } fray_motion;
 typedef struct {
   fray_shape shape;

@@ -15,12 +15,14 @@ passed=0
 failed=0
 
 script_of() {
-  case $1 in
-    tidy) echo tests/tidy.sh ;;
-    cli) echo tests/cli/cli.sh ;;
-    hashes | images | symbols) echo "tests/cross/$1.sh" ;;
-    *) echo "tests/run_all.sh: no suite '$1'" >&2; exit 2 ;;
-  esac
+  for script in "tests/$1.sh" "tests/$1/$1.sh" "tests/cross/$1.sh"; do
+    if [ -f "$script" ]; then
+      echo "$script"
+      return
+    fi
+  done
+  echo "tests/run_all.sh: no suite '$1'" >&2
+  exit 2
 }
 
 # NAME COMMAND...

@@ -4,15 +4,17 @@
 #include "tools/live.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "platform/linux/board.h"
 #include "platform/linux/realtime.h"
 #include "platform/loop.h"
 
-enum { FADE_TICKS_MAX = 1000, DRAIN_US = 20000, LOG_BUFFER = 1 << 16 };
+enum { FADE_TICKS_MAX = 1000, DRAIN_US = 20000 };
 
 static volatile sig_atomic_t asked_to_stop;
 
@@ -75,20 +77,18 @@ static void run_ticks(loop *l, const live_options *o) {
 }
 
 int live_run(fray_world *world, const live_options *o, fray_output *last) {
-  static char buffer[LOG_BUFFER]; /* stdio's own would be allocated in the loop */
   static loop l;
-  FILE *log = NULL;
+  int log_fd = -1;
   if (o->record != NULL) {
-    log = fopen(o->record, "w");
-    if (log == NULL) {
+    log_fd = open(o->record, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (log_fd < 0) {
       fprintf(stderr, "%s: cannot be written: %s\n", o->record, strerror(errno));
       return 1;
     }
-    (void)setvbuf(log, buffer, _IOFBF, sizeof buffer);
   }
   catch_signals();
   int code = 2;
-  if (prepare(o) && board_open(o->interface, o->instance, fray_describe(world).rate_hz, log)) {
+  if (prepare(o) && board_open(o->interface, o->instance, fray_describe(world).rate_hz, log_fd)) {
     loop_begin(&l, world, o->instance);
     run_ticks(&l, o);
     board_close(DRAIN_US);
@@ -96,9 +96,9 @@ int live_run(fray_world *world, const live_options *o, fray_output *last) {
     print_bus(&l);
     code = 0;
   }
-  const int closed = log == NULL || fclose(log) == 0;
-  if (code != 0 || (closed && linux_board.log_lost == 0)) return code;
+  const int closed = log_fd < 0 || close(log_fd) == 0;
+  if (code != 0 || (closed && linux_board.log.lost == 0)) return code;
   fprintf(stderr, "%s: %llu lines could not be written\n", o->record,
-          (unsigned long long)linux_board.log_lost);
+          (unsigned long long)linux_board.log.lost);
   return 1;
 }

@@ -10,18 +10,20 @@
 #include "platform/platform.h"
 #include "rt/wire/dictionary.h"
 
-enum { READS_PER_SYNC = 1024 };
+/* Waits of 100 us; more of them fit into PLATFORM_CONFIRM_US only when they return at once. The cap is
+ * for a clock that stands still. */
+enum { READS_PER_SYNC = 1024, WAITS_PER_SYNC = 4096, WAITS_TO_CLOSE = 4096 };
 
 board linux_board;
 
-int board_open(const char *interface, uint32_t instance, uint32_t rate_hz, FILE *log) {
+int board_open(const char *interface, uint32_t instance, uint32_t rate_hz, int log_fd) {
   can_setting setting;
   memset(&linux_board, 0, sizeof linux_board);
   memset(&setting, 0, sizeof setting);
   for (uint32_t m = 0; m < MESSAGES; ++m)
     setting.ids[setting.count++] = (uint16_t)dictionary_id((dictionary_message)m, instance);
   setting.fd = 1;
-  linux_board.log = log;
+  bus_log_begin(&linux_board.log, log_fd);
   if (!can_open(&linux_board.can, interface, &setting)) return 0;
   timer_begin(&linux_board.timer, rate_hz);
   return 1;
@@ -29,9 +31,9 @@ int board_open(const char *interface, uint32_t instance, uint32_t rate_hz, FILE 
 
 static void write_log(const frame *f, int64_t time_us) {
   char line[CANDUMP_TEXT];
-  if (linux_board.log == NULL) return;
+  if (linux_board.log.fd < 0) return;
   const size_t bytes = candump_format(line, linux_board.can.name, time_us, f);
-  if (sys_log(linux_board.log, line, bytes) != 0) ++linux_board.log_lost;
+  bus_log_line(&linux_board.log, line, bytes);
 }
 
 static can_event receive(frame *f) {
@@ -44,9 +46,12 @@ static can_event receive(frame *f) {
 void board_close(int64_t timeout_us) {
   frame f;
   const int64_t end_ns = timer_now_ns() + timeout_us * 1000;
-  while (timer_now_ns() < end_ns)
-    if (receive(&f) == CAN_NOTHING && !can_wait(&linux_board.can, 1000)) break;
-  if (linux_board.log != NULL && sys_flush(linux_board.log) != 0) ++linux_board.log_lost;
+  for (int waits = 0; waits < WAITS_TO_CLOSE && timer_now_ns() < end_ns;) {
+    if (receive(&f) != CAN_NOTHING) continue;
+    if (can_wait(&linux_board.can, 1000) == 0) break;
+    ++waits;
+  }
+  bus_log_end(&linux_board.log);
   can_close(&linux_board.can);
 }
 
@@ -65,19 +70,21 @@ platform_result platform_sync(const frame *sync, port *p) {
   frame f;
   int sent = 0;
   uint32_t reads = 0;
-  for (int64_t now = 0; now < end_ns; now = timer_now_ns()) {
+  uint32_t waits = 0;
+  do {
     if (!sent) sent = can_send(&linux_board.can, sync);
     const can_event event = receive(&f);
     if (event == CAN_ECHO && same_frame(&f, sync)) return PLATFORM_SENT;
     if (event == CAN_RECEIVED) port_push(p, &f);
     if (event != CAN_NOTHING) {
-      if (++reads == READS_PER_SYNC) break;
+      ++reads;
     } else if (linux_board.can.down || linux_board.can.bus_off) {
       return PLATFORM_LOST;
     } else {
       (void)can_wait(&linux_board.can, 100);
+      ++waits;
     }
-  }
+  } while (reads < READS_PER_SYNC && waits < WAITS_PER_SYNC && timer_now_ns() < end_ns);
   if (reads == READS_PER_SYNC) ++linux_board.reads_capped;
   return PLATFORM_LOST;
 }

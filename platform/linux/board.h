@@ -4,16 +4,14 @@
 #ifndef FRAY_LINUX_BOARD_H
 #define FRAY_LINUX_BOARD_H
 
-#include <stdio.h>
-
+#include "platform/linux/bus_log.h"
 #include "platform/linux/can_socket.h"
 #include "platform/linux/timer.h"
 
 typedef struct {
   can_socket can;
   timer_grid timer;
-  FILE *log;               /* or NULL */
-  uint64_t log_lost;       /* lines that could not be written */
+  bus_log log;
   uint32_t sends_dropped;
   uint32_t reads_capped;   /* ticks in which more came than is read at once */
   volatile int stopping;   /* set by a signal handler: platform_wait() returns -1 */
@@ -22,8 +20,9 @@ typedef struct {
 /* The one board of the process. */
 extern board linux_board;
 
-/* Opens interface and timer for one instance. Returns 1, or 0 after a message to stderr. */
-int board_open(const char *interface, uint32_t instance, uint32_t rate_hz, FILE *log);
+/* Opens interface and timer for one instance. `log_fd` is an open file or -1, and stays the
+ * caller's. Returns 1, or 0 after a message to stderr. */
+int board_open(const char *interface, uint32_t instance, uint32_t rate_hz, int log_fd);
 /* Reads and logs what is still coming back, at most `timeout_us`, then closes. */
 void board_close(int64_t timeout_us);
 

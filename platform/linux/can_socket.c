@@ -7,6 +7,7 @@
 #include <linux/can/error.h>
 #include <linux/can/raw.h>
 #include <net/if.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/ioctl.h>
 
@@ -54,7 +55,8 @@ int can_open(can_socket *s, const char *interface, const can_setting *setting) {
   snprintf(s->name, sizeof s->name, "%s", interface);
   snprintf(request.ifr_name, sizeof request.ifr_name, "%s", interface);
   s->fd = socket(PF_CAN, SOCK_RAW, CAN_RAW);
-  if (s->fd < 0) return refuse(s, "no CAN socket", "; expected a kernel with CAN (modprobe can_raw)");
+  if (s->fd < 0)
+    return refuse(s, "no CAN socket", "; expected a kernel with CAN (modprobe can_raw)");
   if (ioctl(s->fd, SIOCGIFINDEX, &request) != 0)
     return refuse(s, "no such interface", "; expected one that `ip link show type can` lists");
   address.can_family = AF_CAN;
@@ -131,15 +133,18 @@ can_event can_receive(can_socket *s, frame *f, int64_t *time_us) {
     take_error(s, f);
     return CAN_ERROR;
   }
-  return (message.msg_flags & MSG_CONFIRM) != 0 ? CAN_ECHO : CAN_RECEIVED;
+  if ((message.msg_flags & MSG_CONFIRM) == 0) return CAN_RECEIVED;
+  s->bus_off = 0; /* it was sent: down and up again ends a bus-off without an error frame */
+  return CAN_ECHO;
 }
 
 int can_wait(can_socket *s, int64_t timeout_us) {
   struct pollfd waiting = {s->fd, POLLIN, 0};
-  const struct timespec timeout = {timeout_us / 1000000, timeout_us % 1000000 * 1000};
+  const struct timespec timeout = {(time_t)(timeout_us / 1000000),
+                                   (long)(timeout_us % 1000000 * 1000)};
   const int ready = sys_poll(&waiting, 1, &timeout);
   if (ready < 0 && errno != EINTR) ++s->faults;
-  return ready > 0;
+  return ready;
 }
 
 int can_send(can_socket *s, const frame *f) {
@@ -152,7 +157,7 @@ int can_send(can_socket *s, const frame *f) {
   if ((f->fd & FRAME_FD_BRS) != 0) raw.flags |= CANFD_BRS;
   memcpy(raw.data, f->data, f->length);
   const size_t bytes = f->fd != 0 ? CANFD_MTU : CAN_MTU;
-  if (sys_write(s->fd, &raw, bytes) == (ssize_t)bytes) {
+  if (sys_send(s->fd, &raw, bytes) == (ssize_t)bytes) {
     s->down = 0;
     return 1;
   }

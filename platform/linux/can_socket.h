@@ -41,7 +41,8 @@ void can_close(can_socket *s);
 /* One frame, without waiting; its kernel time in microseconds since 1970 to *time_us. */
 can_event can_receive(can_socket *s, frame *f, int64_t *time_us);
 
-/* Waits until a frame can be read, at most `timeout_us`. Returns 1 iff one can. */
+/* Waits until a frame can be read, at most `timeout_us`. Returns 1 iff one can, 0 after the time,
+ * -1 when a signal or a fault cut it short. */
 int can_wait(can_socket *s, int64_t timeout_us);
 
 /* Returns 1 iff the kernel took it. 0: queue full, interface down (counted). */

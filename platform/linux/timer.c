@@ -7,13 +7,17 @@
 
 #include "platform/linux/sys.h"
 
-enum { BIN_NS = 10000 };
+enum { BIN_NS = 10000, CLOCK_TRIES = 8 };
 
 int64_t timer_now_ns(void) {
-  struct timespec now;
-  while (sys_now(&now) != 0) {
+  static int64_t last_ns;
+  for (int tries = 0; tries < CLOCK_TRIES; ++tries) {
+    struct timespec now;
+    if (sys_now(&now) != 0) continue;
+    last_ns = (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
+    break;
   }
-  return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
+  return last_ns;
 }
 
 void timer_begin(timer_grid *t, uint32_t rate_hz) {
@@ -30,12 +34,16 @@ int32_t timer_wait(timer_grid *t) {
     missed = (int32_t)(skipped < INT32_MAX ? skipped : INT32_MAX);
     t->next_ns += skipped * t->period_ns;
   }
-  const struct timespec when = {t->next_ns / 1000000000, t->next_ns % 1000000000};
-  while (now < t->next_ns) {
-    (void)sys_sleep_until(&when);
+  const struct timespec when = {(time_t)(t->next_ns / 1000000000),
+                                (long)(t->next_ns % 1000000000)};
+  for (uint32_t tries = 0; now < t->next_ns && tries < TIMER_TRIES;) {
+    const int64_t before = now;
+    const int slept = sys_sleep_until(&when) == 0;
     now = timer_now_ns();
+    if (slept && now < t->next_ns) now = t->next_ns; /* the clock could not be read */
+    tries = now > before ? 0 : tries + 1;
   }
-  const int64_t late = now - t->next_ns;
+  const int64_t late = now > t->next_ns ? now - t->next_ns : 0;
   const int64_t bin = late / BIN_NS;
   ++t->lateness[bin < TIMER_BINS ? bin : TIMER_BINS - 1];
   ++t->waits;

@@ -5,7 +5,10 @@
 
 #include <stdint.h>
 
-enum { TIMER_BINS = 4096 }; /* of 10 us each; the last holds everything later */
+enum {
+  TIMER_BINS = 4096,   /* of 10 us each; the last holds everything later */
+  TIMER_TRIES = 100000 /* sleeps that fail while the clock stands still */
+};
 
 typedef struct {
   int64_t period_ns;
@@ -15,12 +18,14 @@ typedef struct {
   int64_t worst_ns;
 } timer_grid;
 
+/* Nanoseconds of the monotonic clock. When the clock cannot be read, the last time that was: it
+ * stands still then, and whoever waits for a time also counts. */
 int64_t timer_now_ns(void);
 void timer_begin(timer_grid *t, uint32_t rate_hz);
 
 /* Sleeps to the next tick; returns how many whole periods were missed before it (they are
  * skipped, the grid stays). A failing or interrupted sleep is tried again until the time is
- * reached. */
+ * reached. A sleep that succeeds is believed without a clock. With neither, TIMER_TRIES tries. */
 int32_t timer_wait(timer_grid *t);
 
 /* Lateness in microseconds that `share` (0..1) of all waits did not exceed, to 10 us. */

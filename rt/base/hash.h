@@ -14,7 +14,8 @@ typedef struct {
 } hash;
 
 static inline void hash_begin(hash *h) {
-  for (uint32_t n = 0; n < HASH_LANES; ++n) h->lane[n] = 0x243F6A88u ^ fx_wrap_mul_u(n, 0x9E3779B1u);
+  for (uint32_t n = 0; n < HASH_LANES; ++n)
+    h->lane[n] = 0x243F6A88u ^ fx_wrap_mul_u(n, 0x9E3779B1u);
 }
 FX_WRAPS static inline uint32_t hash_step(uint32_t lane, uint32_t word) {
   const uint32_t v = fx_wrap_mul_u(lane ^ word, 0x9E3779B1u);

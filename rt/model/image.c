@@ -134,7 +134,8 @@ static fray_status read_header(const uint8_t *image, size_t bytes, uint32_t capa
   for (uint32_t p = 0; p < POOLS; ++p) {
     capacity[p] = bytes_load32(image + 4u * (IMAGE_CAPACITY_WORD + p));
     if (capacity[p] > capacity_max[p] || (p <= POOL_STATE && capacity[p] != 1u))
-      return image_refuse(error, FRAY_BAD_FIELD, 0, IMAGE_CAPACITY_WORD + p, "a capacity in its range");
+      return image_refuse(error, FRAY_BAD_FIELD, 0, IMAGE_CAPACITY_WORD + p,
+                          "a capacity in its range");
   }
   for (uint32_t n = IMAGE_CAPACITY_WORD + POOLS; n < IMAGE_HEADER_WORDS; ++n)
     if (bytes_load32(image + 4u * n) != 0)
@@ -143,7 +144,7 @@ static fray_status read_header(const uint8_t *image, size_t bytes, uint32_t capa
   const uint32_t expected = short_ids(capacity) ? (uint32_t)IMAGE_SHORT_IDS : 0u;
   if (features != expected || (sizeof(row_id) == 2u && expected == 0))
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_FEATURES_WORD,
-                  "features that this build has, short ids where they fit");
+                        "features that this build has, short ids where they fit");
   return FRAY_OK;
 }
 
@@ -188,7 +189,7 @@ static fray_status check_directory(const uint8_t *image, const uint32_t capacity
         bytes_load32(words + 8) != elements(a, capacity) ||
         bytes_load32(words + 12) != section_offset(capacity, n))
       return image_refuse(error, FRAY_BAD_SECTION, a->id, entry,
-                    "the directory entry that the capacities call for");
+                          "the directory entry that the capacities call for");
     ++entry;
   }
   if (bytes_load32(image + 4 * IMAGE_SECTIONS_WORD) != entry)
@@ -237,16 +238,18 @@ fray_status fray_open(const void *image, size_t image_bytes, void *memory, size_
   const uint32_t length = bytes_load32(bytes + 4 * IMAGE_BYTES_WORD);
   if (length != image_length(capacity))
     return image_refuse(error, FRAY_BAD_SECTION, 0, IMAGE_BYTES_WORD,
-                  "the length that the capacities call for");
+                        "the length that the capacities call for");
   if (image_bytes < length)
-    return image_refuse(error, FRAY_TRUNCATED, 0, (uint32_t)image_bytes, "as many bytes as its length");
+    return image_refuse(error, FRAY_TRUNCATED, 0, (uint32_t)image_bytes,
+                        "as many bytes as its length");
   if (bytes_crc32(bytes + IMAGE_CRC_FROM, length - IMAGE_CRC_FROM) !=
       bytes_load32(bytes + 4 * IMAGE_CRC_WORD))
     return image_refuse(error, FRAY_BAD_CRC, 0, IMAGE_CRC_WORD, "the CRC-32 of what follows");
   status = check_directory(bytes, capacity, error);
   if (status != FRAY_OK) return status;
   if (memory_bytes < plan_bytes(capacity, bytes))
-    return image_refuse(error, FRAY_SMALL_MEMORY, 0, 0, "as many bytes of memory as fray_bytes() says");
+    return image_refuse(error, FRAY_SMALL_MEMORY, 0, 0,
+                        "as many bytes of memory as fray_bytes() says");
   fray_world *w = plan_carve(capacity, bytes, memory, memory_bytes);
   load_sections(w, bytes);
   status = image_validate(w, error);

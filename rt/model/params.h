@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The scalars of a world: constants (params) and state, every one a 32-bit word with its range.
- * The loader checks the ranges; the stages rely on them. Order is the image's order: append only. */
+ * The loader checks the ranges; the stages rely on them. This is the image's order: append only. */
 #ifndef FRAY_MODEL_PARAMS_H
 #define FRAY_MODEL_PARAMS_H
 

@@ -8,8 +8,8 @@
  *
  * The gripped particles' own weight and inertia are the body's, not the cloth's, and not in it.
  *
- * What is sent is a separate last stage that trusts nothing above it: ramp, clamp, rate limit;
- * zero wherever the ramp is zero. */
+ * What is sent is a separate last stage that trusts nothing above it: ramp, clamp, rate limit.
+ * Where the ramp is zero the force is zero at once: in a fade, zero in time wins over the rate. */
 #include "rt/base/bytes.h"
 #include "rt/stage/stage.h"
 

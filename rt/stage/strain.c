@@ -5,7 +5,7 @@
  *
  * A projection moves both ends by f * d, where d = p_j - p_i and f = (1 - r/|d|) / 2. With
  * u = |d|^2/r^2 - 1 this is f = u * psi(u), psi(u) = (1 - 1/sqrt(1+u)) / (2u), a smooth function
- * that needs no square root: a quadratic is within 0.2% of it for strains up to 10% and within 2%
+ * that needs no square root: a quadratic is within 0.2% of it for strains up to 10% and within 7%
  * over the whole range taken here, u in [-7/16, 9/16]. What is stretched or squeezed beyond 25% is
  * corrected by the step of 25%. The fixed point u = 0 is exact whatever psi is.
  *

@@ -127,15 +127,16 @@ make_first_root() {
 }
 
 # Each start_KIND ends in exec; its process leads the group of all that it starts (timeout sees to
-# that), and dies if this script is killed. Both streams: descriptors 3 and 4, write ends of pipes,
-# since a guest console changes the modes of the file that it writes to.
+# that), and dies if this script is killed. A guest writes its streams to the files out and err: not to
+# the caller's, whose modes a console would change, nor to a pipe, since QEMU stops for ever at a pipe
+# that nobody reads (`| head`), and drops what a slow reader has not taken when it powers off.
 limited() { exec setpriv --pdeathsig TERM timeout -k 2 "$seconds" "$@"; }
 
 start_host() {
   # sh has made SIGINT and SIGQUIT ignored in what it runs aside; COMMAND should not see that
   limited env --default-signal=INT,QUIT unshare --net --mount --pid --fork --kill-child --mount-proc -- \
     sh -c 'mount -t sysfs sysfs /sys && sh "$1/guest/net.sh" "$3" && sh "$2/command"
-           echo $? >"$2/status"' sh "$here" "$run" "$order" >&3 2>&4
+           echo $? >"$2/status"' sh "$here" "$run" "$order"
 }
 
 start_uml() {
@@ -151,7 +152,7 @@ start_uml() {
     rootfstype=hostfs rootflags=/ rw init="$here/guest/init.sh" umid=guest uml_dir="$run" \
     initcall_blacklist=raid6_select_algo con=null ssl=null con0=null,fd:5 con1=null,fd:3 con2=null,fd:4 \
     fray_run="$run" fray_order="$order" fray_streams=/dev/tty1,/dev/tty2 fray_modules="${files%,}" \
-    >"$run/monitor" 2>&1 5>"$run/console"
+    >"$run/monitor" 2>&1 3>>"$run/out" 4>>"$run/err" 5>"$run/console"
 }
 
 start_qemu() {
@@ -182,6 +183,7 @@ clean_up() {
   exit "$code"
 }
 
+case $seconds in '' | *[!0-9]*) die "FRAY_GUEST_SECONDS=$seconds, expected a whole number" ;; esac
 [ $# -gt 0 ] || { sed -n '3,16s/^# \{0,1\}//p' "$0" && exit 2; }
 kind=${FRAY_GUEST:-}
 if [ -z "$kind" ]; then if host_has_vcan; then kind=host; else kind=uml; fi; fi
@@ -200,26 +202,30 @@ case $kind in
   qemu) unpack_kernel && make_first_root ;;
 esac
 
-mkfifo "$run/out" "$run/err"
-cat "$run/out" &
-readers=$!
-cat "$run/err" >&2 &
-readers="$readers $!"
-exec 3>"$run/out" 4>"$run/err"
+: >"$run/out"
+: >"$run/err"
+began=$(date +%s)
 "start_$kind" &
 guest=$!
+if [ $kind != host ]; then
+  tail -c +1 -f -s 0.1 --pid=$guest "$run/out" 2>/dev/null &
+  readers=$!
+  tail -c +1 -f -s 0.1 --pid=$guest "$run/err" >&2 2>/dev/null &
+  readers="$readers $!"
+fi
 ended=0
 wait "$guest" || ended=$?
 kill -KILL -- "-$guest" 2>/dev/null || true
 guest=''
-exec 3>&- 4>&-
-for reader in $readers; do wait "$reader" || true; done
+for reader in $readers; do wait "$reader" || true; done # they end when the guest has
 readers=''
 
-if [ -s "$run/status" ]; then exit "$(cat "$run/status")"; fi
-if [ "$ended" -eq 124 ] || [ "$ended" -eq 137 ]; then
+late=0
+if [ $(($(date +%s) - began)) -ge "$seconds" ]; then late=1; fi
+if [ $late$ended = 1124 ] || [ $late$ended = 1137 ]; then
   say "killed after $seconds s (FRAY_GUEST_SECONDS)"
   exit 124
 fi
+if [ -s "$run/status" ]; then exit "$(cat "$run/status")"; fi
 cat "$run/console" "$run/monitor" >&2 2>/dev/null || true
 die "the $kind guest ended (status $ended) without an exit status of COMMAND"

@@ -98,7 +98,7 @@ FIXTURE char *fixture_read(const char *path) {
   return text;
 }
 
-/* Replaces the first place of `from`; frees the old text. Returns 0 in *found if it is not there. */
+/* Replaces the first place of `from`; frees the old text. *found is 0 if it is not there. */
 FIXTURE char *fixture_replace(char *text, const char *from, const char *to, int *found) {
   char *place = strstr(text, from);
   *found = place != NULL;

@@ -12,7 +12,7 @@
  * - direction, rounding of the push: the link that carries k crossings takes back k g h^2 in a
  *   substep; across itself it does so in whole position steps of 2^-24 lu, so an angle below
  *   1/2 step / (k g h^2) goes unseen: s (1 + 1/2 + ... + 1/n) / (2 g h^2 in steps);
- * - direction, rounding of d to units of 2^8 steps: an angle of 2^7 steps / s: together n 2^7 steps.
+ * - direction, rounding of d to units of 2^8 steps: an angle of 2^7 steps / s; together n 2^7.
  * The last two may stand in both directions across the yarn: times sqrt 2. */
 #include "tests/lib/test.h"
 #include "tests/oracle/double_sheet.h"

@@ -202,10 +202,10 @@ static void a_projection_keeps_the_sum_of_positions(void) {
 }
 
 /* A projection shortens what is too long, lengthens what is too short, and overshoots by no more
- * than its approximation of the square root is off: psi of stage/strain.c is within 0.2 % for strains
- * to 10 %, and within 6 % at the ends of its range (the comment there
- * says 2 %; at u = 9/16 it gives 0.1895, and 0.1778 would be right: 6.6 %, at u = 0.54 5.6 %). Beyond that there is rounding, in position steps of
- * 2^-24 lu for a link of length L <= 1.24 r, r = 1.4e6 steps, that changes by 2 f L:
+ * than its approximation of the square root is off: psi of stage/strain.c is within 0.2 % for
+ * strains to 10 %; at u = 9/16 it gives 0.1895 where 0.1778 would be right, 6.6 % too much, and at
+ * u = 0.54, a strain of 24 %, 5.6 %. Beyond that there is rounding, in position steps of 2^-24 lu,
+ * for a link of length L <= 1.24 r, r = 1.4e6 steps, that changes by 2 f L:
  * - f is rounded to Q20: 2 L 2^-21 = 1.7;
  * - u is rounded to Q20 and lo^2 left out (2^-23): 2 L (2^-21 + 2^-23) / 4 = 0.6;
  * - each component of the push is rounded, alike for both ends: 2 * sqrt(3) / 2 = 1.8.
@@ -248,9 +248,9 @@ static void a_projection_reduces_the_strain(void) {
   fixture_close(&f);
 }
 
-/* Exactly at rest, along any axis, nothing moves; in any direction at most by the rounding of d:
- * the length of an integer vector is within 1 step of r, which u sees as at most 1.5 * 2^-20 r...
- * and f = u / 4 rounds to 0. */
+/* Exactly at rest, along any axis, nothing moves. In any other direction the nearest integer vector
+ * is up to sqrt(3) / 2 steps too long or short; at 12 /cm (R = 5461) u is then at most 1 and
+ * f = u / 4 rounds to 0. (Below R = 4730 one step gives u = 2 and f = 1: see test_rest.) */
 static void at_rest_length_nothing_moves(void) {
   fixture f;
   uint64_t seed = 11;

@@ -84,7 +84,8 @@ static double throw_ball(uint32_t substeps) {
   fixture f;
   fixture_print(&f,
                 "scene thrown\nrate 1000 Hz\nsubsteps %u\nsweeps 1\n"
-                "sheet {\n warps 2\n wefts 2\n spacing 0.625 mm\n drag 0 /s\n at -50 -50 -50 cm\n}\n"
+                "sheet {\n warps 2\n wefts 2\n spacing 0.625 mm\n drag 0 /s\n"
+                " at -50 -50 -50 cm\n}\n"
                 "pin row top\nball b {\n radius 0.5 cm\n at 0 10 0 cm\n move free\n mass 20 g\n"
                 " velocity 31.7 123.45 -77.7 cm/s\n}\n",
                 substeps);

@@ -3,7 +3,6 @@
 #include "tests/lib/test.h"
 #include "tests/lib/world_fixture.h"
 
-#include "rt/stage/stage.h"
 #include "tools/session.h"
 
 /* ---- (a) a flat sheet without gravity: exactly no motion ---- */
@@ -38,18 +37,23 @@ static void stay(const char *label, const char *spacing, const char *pins, int32
   snprintf(name, sizeof name, "still_%s_moved", label);
   figure(name, moved, "particle_ticks_of_768000", steps_allowed == 0 ? "exactly 0" : "printed");
   snprintf(name, sizeof name, "still_%s_farthest", label);
-  figure(name, farthest, "position_steps", steps_allowed == 0 ? "exactly 0" : "XXX");
+  figure(name, farthest, "position_steps", steps_allowed == 0 ? "exactly 0" : "at most 9");
   CHECK(farthest <= steps_allowed);
   if (steps_allowed == 0) CHECK_EQ_INT(moved, 0);
   fixture_close(&f);
 }
 
+/* Where a spacing is no whole number of position steps, lengths start up to one step off. At 12 /cm
+ * that is below what a projection sees. Rests below about 0.072 lu are coarser: f may be one step
+ * of 2^-20 off for a length that is one position step off, and then the pair swings by 2 r 2^-20 =
+ * 2.3 steps for r = 0.0714 lu. A crossing has four links: at most 9 steps,
+ * half a millionth of an lu. */
 static void a_flat_sheet_without_gravity_does_not_move(void) {
   stay("whole_steps_held", "0.625 mm", "pin row top\n", 0);
   stay("whole_steps_free", "0.625 mm", "", 0);
   stay("12_per_cm_held", "12 /cm", "pin row top\n", 0);
   stay("12_per_cm_free", "12 /cm", "", 0);
-  stay("7_and_9_per_cm_free", "7 9 /cm", "", 24 * 16);
+  stay("7_and_9_per_cm_free", "7 9 /cm", "", 9);
 }
 
 /* ---- (b) a hanging sheet that has settled ---- */
@@ -101,10 +105,13 @@ static void a_settled_sheet_hangs_still(void) {
 /* 24 substeps are what auto finds; given, since the search takes 10 s. */
 #define TWO_HANDS "tests/scenes/two_hands.scene", "substeps auto", "substeps 24"
 
+static fixture settled;
+
 static void two_hands_at_rest_stay_below_the_tear_strain(void) {
   fixture f;
   double most = 0;
-  fixture_file(&f, TWO_HANDS, NULL);
+  fixture_file(&settled, TWO_HANDS, NULL);
+  fixture_copy(&f, &settled);
   fray_output out;
   for (uint32_t tick = 0; tick < 1000; ++tick) {
     out = fixture_tick(&f, &fixture_idle);
@@ -115,6 +122,8 @@ static void two_hands_at_rest_stay_below_the_tear_strain(void) {
   CHECK_EQ_INT(out.cuts_total, 0);
   fixture_close(&f);
 }
+
+enum { CUTS_JUDGED = 50 };
 
 /* Grid steps (along yarns) from a link to the nearest held crossing. */
 static uint32_t steps_to_grip(const fray_world *w, uint32_t row) {
@@ -145,7 +154,7 @@ static void two_hands_tear_at_the_grips_and_only_what_is_overstretched(void) {
   uint32_t first_steps = UINT32_MAX;
   uint32_t strained_steps = UINT32_MAX;
   double least_margin = 1e9;
-  fixture_file(&f, TWO_HANDS, NULL);
+  fixture_copy(&f, &settled);
   /* the log's inputs, read for a world that opens fast: both have two hands and 1 kHz */
   memset(&s, 0, sizeof s);
   candump_log log;
@@ -159,7 +168,7 @@ static void two_hands_tear_at_the_grips_and_only_what_is_overstretched(void) {
   uint8_t *before = malloc(rows);
   if (before == NULL) fixture_give_up("rows", "out of memory");
   uint32_t tick = 0;
-  for (; tick < s.log.count && cuts < 400; ++tick) {
+  for (; tick < s.log.count && cuts < CUTS_JUDGED; ++tick) {
     memcpy(before, f.w->row_class, rows);
     const fray_output out = fixture_tick(&f, session_input(&s, tick));
     if (out.cuts_total == cuts) continue;
@@ -190,14 +199,15 @@ static void two_hands_tear_at_the_grips_and_only_what_is_overstretched(void) {
   session_close(&s);
   figure("two_hands_first_cut_distance", first_steps, "crossings", "at most 4");
   figure("two_hands_largest_strain_distance", strained_steps, "crossings", "at most 4");
-  figure("two_hands_cuts_judged", cuts, "", "more than 100");
+  figure("two_hands_cuts_judged", cuts, "", "at least 50");
   figure("two_hands_least_margin", 100 * least_margin, "%_strain", "not below 0");
   figure("two_hands_cut_below_threshold", wrong, "", "0");
   CHECK(first_steps <= 4);
   CHECK(strained_steps <= 4);
-  CHECK(cuts > 100);
+  CHECK(cuts >= CUTS_JUDGED);
   CHECK_EQ_INT(wrong, 0);
   fixture_close(&f);
+  fixture_close(&settled);
 }
 
 int main(void) {

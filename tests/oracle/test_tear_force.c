@@ -4,8 +4,8 @@
  * Plain projection has no stiffness of its own: a chain of links is as stiff as the solver is
  * (one sweep of h = T / n per link), so the tension at a given strain grows with the square of the
  * substeps. The force that a hand feels when the cloth tears is therefore no material constant;
- * this test pins how far from one it is. A smaller sheet of the same structure as two_hands: held at
- * its upper corners by two balls that the hands move apart, slowly. */
+ * this test pins how far from one it is. A smaller sheet of the same structure as two_hands: held
+ * at its upper corners by two balls that the hands move apart, slowly. */
 #include "tests/lib/test.h"
 #include "tests/lib/world_fixture.h"
 

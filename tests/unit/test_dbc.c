@@ -5,11 +5,13 @@
 #include <stdint.h>
 #include <stdlib.h>
 
+#include "rt/base/bytes.h"
+#include "rt/wire/auth.h"
 #include "rt/wire/codec.h"
 #include "rt/wire/dictionary.h"
 #include "tests/lib/test.h"
 
-enum { SIGNALS_MAX = 64, MESSAGES_MAX = 16 };
+enum { SIGNALS_MAX = 256, MESSAGES_MAX = 32 };
 
 typedef struct {
   char name[40];
@@ -24,6 +26,7 @@ typedef struct {
 typedef struct {
   char name[40];
   unsigned id, length, cycle_ms;
+  unsigned format, switches; /* VFrameFormat, CANFD_BRS */
 } message;
 
 static char text[1 << 16];
@@ -41,7 +44,7 @@ static message *message_by_id(unsigned id) {
 static void read_line(const char *line) {
   message *m = &messages[message_count];
   signal *s = &signals[signal_count];
-  unsigned id, cycle;
+  unsigned id, value;
   if (sscanf(line, "BO_ %u %39[^:]: %u", &m->id, m->name, &m->length) == 3) {
     if (message_count < MESSAGES_MAX - 1) message_count += 1;
   } else if (sscanf(line, " SG_ %39s : %u|%u@%c%c (%15[^,],0) [%lf|%lf] \"%7[^\"]", s->name,
@@ -49,8 +52,12 @@ static void read_line(const char *line) {
                     s->unit) >= 8) {
     s->id = messages[message_count - 1].id;
     if (signal_count < SIGNALS_MAX - 1) signal_count += 1;
-  } else if (sscanf(line, "BA_ \"GenMsgCycleTime\" BO_ %u %u;", &id, &cycle) == 2) {
-    if (message_by_id(id) != NULL) message_by_id(id)->cycle_ms = cycle;
+  } else if (sscanf(line, "BA_ \"GenMsgCycleTime\" BO_ %u %u;", &id, &value) == 2) {
+    if (message_by_id(id) != NULL) message_by_id(id)->cycle_ms = value;
+  } else if (sscanf(line, "BA_ \"VFrameFormat\" BO_ %u %u;", &id, &value) == 2) {
+    if (message_by_id(id) != NULL) message_by_id(id)->format = value;
+  } else if (sscanf(line, "BA_ \"CANFD_BRS\" BO_ %u %u;", &id, &value) == 2) {
+    if (message_by_id(id) != NULL) message_by_id(id)->switches = value;
   }
 }
 
@@ -99,16 +106,21 @@ static void expect(const frame *f, const char *name, long long value) {
 }
 
 static void messages_are_the_dictionary(void) {
-  static const char *const NAMES[MESSAGES] = {"SYNC",       "COMMAND",    "ACK",
-                                              "POSE_LEFT",  "POSE_RIGHT", "FORCE_LEFT",
-                                              "FORCE_RIGHT", "TEAR",      "STATUS"};
+  static const char *const NAMES[MESSAGES] = {
+      "SYNC",           "COMMAND",         "ACK",      "POSE_LEFT",    "POSE_RIGHT",
+      "FORCE_LEFT",     "FORCE_RIGHT",     "TEAR",     "STATUS",       "COMMAND_AUTH",
+      "ACK_AUTH",       "POSE_LEFT_AUTH",  "POSE_RIGHT_AUTH",          "FORCE_LEFT_AUTH",
+      "FORCE_RIGHT_AUTH", "TAG_LEFT",      "TAG_RIGHT"};
   CHECK_EQ_INT(message_count, MESSAGES);
   for (int m = 0; m < (int)MESSAGES; ++m) {
     const message *found = message_by_id(dictionary_id((dictionary_message)m, 0));
     CHECK(found != NULL);
     if (found == NULL) continue;
     CHECK_TEXT(found->name, NAMES[m]);
-    CHECK_EQ_INT(found->length, DICTIONARY_LENGTH);
+    const int fd = strstr(found->name, "_AUTH") != NULL;
+    CHECK_EQ_INT(found->length, fd ? 20 : 8);
+    CHECK_EQ_INT(found->format, fd ? 14 : 0); /* StandardCAN_FD, StandardCAN */
+    CHECK_EQ_INT(found->switches, fd);
     CHECK_EQ_INT(found->cycle_ms, DICTIONARY[m].cycle_ms);
   }
 }
@@ -193,20 +205,86 @@ static void tear_signals(void) {
 static void status_signals(void) {
   static const char *const FAULTS[] = {"STATUS_StaleLeft", "STATUS_StaleRight",
                                        "STATUS_ContactsFull", "STATUS_CutsWait",
-                                       "STATUS_LeftWorld"};
+                                       "STATUS_LeftWorld", "STATUS_Halted"};
   static const uint16_t BITS[] = {FRAY_FAULT_STALE_LEFT, FRAY_FAULT_STALE_RIGHT,
                                   FRAY_FAULT_CONTACTS_FULL, FRAY_FAULT_CUTS_WAIT,
-                                  FRAY_FAULT_LEFT_WORLD};
+                                  FRAY_FAULT_LEFT_WORLD, FRAY_FAULT_HALTED};
   frame f;
-  for (int n = 0; n < 5; ++n) {
+  for (int n = 0; n < 6; ++n) {
     const codec_status status = {FRAY_SAFE, 93, BITS[n], 0xABCD, 0x1234};
     codec_encode_status(&f, 0, &status);
-    for (int m = 0; m < 5; ++m) expect(&f, FAULTS[m], m == n);
+    for (int m = 0; m < 6; ++m) expect(&f, FAULTS[m], m == n);
   }
   expect(&f, "STATUS_State", FRAY_SAFE);
   expect(&f, "STATUS_PoolFill", 93);
   expect(&f, "STATUS_Overruns", 0xABCD);
   expect(&f, "STATUS_Tears", 0x1234);
+}
+
+/* A protected frame of zeros but for its counter: what its plain signals are is told above. */
+static void auth_signals(dictionary_message plain, const char *name) {
+  static const char *const OF[6][8] = {
+      {"Counter", "Verb", "Argument"},
+      {"Counter", "CommandCounter", "Verb", "Result", "Tick"},
+      {"Counter", "Buttons", "X", "Y", "Z"},
+      {"Counter", "Buttons", "X", "Y", "Z"},
+      {"Counter", "Consumed", "X", "Y", "Z"},
+      {"Counter", "Consumed", "X", "Y", "Z"}};
+  static const dictionary_message ROWS[6] = {MESSAGE_COMMAND,    MESSAGE_ACK,
+                                             MESSAGE_POSE_LEFT,  MESSAGE_POSE_RIGHT,
+                                             MESSAGE_FORCE_LEFT, MESSAGE_FORCE_RIGHT};
+  char text_of[64];
+  cmac_key key = {0};
+  auth_lane lane;
+  frame f = {0};
+  auth_lane_init(&lane, &key, plain, 0, 0x89ABCDEE);
+  f.id = dictionary_id(plain, 0);
+  f.length = 8;
+  for (int n = 0; n < 8; ++n) f.data[n] = (uint8_t)(0xF1 - 17 * n);
+  CHECK_EQ_INT(auth_seal(&lane, &f), AUTH_OK);
+  for (int row = 0; row < 6; ++row) {
+    for (int n = 0; ROWS[row] == plain && OF[row][n] != NULL; ++n) {
+      snprintf(text_of, sizeof text_of, "%s_%s", name, OF[row][n]);
+      const signal *same = signal_by_name(text_of);
+      CHECK(same != NULL);
+      snprintf(text_of, sizeof text_of, "%s_AUTH_%s", name, OF[row][n]);
+      if (same != NULL) expect(&f, text_of, raw_value(same, f.data));
+    }
+  }
+  snprintf(text_of, sizeof text_of, "%s_AUTH_CRC", name);
+  expect(&f, text_of, 0xF1);
+  snprintf(text_of, sizeof text_of, "%s_AUTH_Freshness", name);
+  expect(&f, text_of, 0x89ABCDEFLL);
+  snprintf(text_of, sizeof text_of, "%s_AUTH_Tag0", name);
+  expect(&f, text_of, bytes_load32(f.data + 12));
+  snprintf(text_of, sizeof text_of, "%s_AUTH_Tag1", name);
+  expect(&f, text_of, bytes_load32(f.data + 16));
+}
+
+static void protected_signals(void) {
+  auth_signals(MESSAGE_COMMAND, "COMMAND");
+  auth_signals(MESSAGE_ACK, "ACK");
+  auth_signals(MESSAGE_POSE_LEFT, "POSE_LEFT");
+  auth_signals(MESSAGE_POSE_RIGHT, "POSE_RIGHT");
+  auth_signals(MESSAGE_FORCE_LEFT, "FORCE_LEFT");
+  auth_signals(MESSAGE_FORCE_RIGHT, "FORCE_RIGHT");
+}
+
+static void tag_signals(uint32_t hand, const char *freshness, const char *tag) {
+  const cmac_key key = {0};
+  auth_group group;
+  frame f = {0}, pose = {0};
+  auth_group_init(&group, &key, 0, hand, 0x1FEDB);
+  pose.id = dictionary_id(dictionary_pose(hand), 0);
+  pose.length = 8;
+  for (int n = 0; n < 4; ++n) CHECK_EQ_INT(auth_group_add(&group, &pose, &f), n == 3);
+  expect(&f, freshness, 0xFEDC);
+  expect(&f, tag, (long long)bytes_load16(f.data + 2) + ((long long)bytes_load32(f.data + 4) << 16));
+}
+
+static void tags_signals(void) {
+  tag_signals(0, "TAG_LEFT_Freshness", "TAG_LEFT_Tag");
+  tag_signals(1, "TAG_RIGHT_Freshness", "TAG_RIGHT_Tag");
 }
 
 /* Runs after the tests above. */
@@ -238,8 +316,8 @@ static void scales_and_ranges(void) {
       forces += 1;
     }
   }
-  CHECK_EQ_INT(poses, 6);
-  CHECK_EQ_INT(forces, 6);
+  CHECK_EQ_INT(poses, 12); /* plain and protected */
+  CHECK_EQ_INT(forces, 12);
 }
 
 static void values(int value, const char *line_start, const char *name) {
@@ -256,12 +334,14 @@ static void values(int value, const char *line_start, const char *name) {
 }
 
 static void names_of_values(void) {
-  static const char *const VERBS[] = {"VAL_ 16 COMMAND_Verb", "VAL_ 17 ACK_Verb"};
-  for (int n = 0; n < 2; ++n) {
+  static const char *const VERBS[] = {"VAL_ 16 COMMAND_Verb", "VAL_ 17 ACK_Verb",
+                                      "VAL_ 32 COMMAND_AUTH_Verb", "VAL_ 33 ACK_AUTH_Verb"};
+  for (int n = 0; n < 4; ++n) {
     values(FRAY_VERB_START, VERBS[n], "START");
     values(FRAY_VERB_STOP, VERBS[n], "STOP");
     values(FRAY_VERB_RESET, VERBS[n], "RESET");
     values(FRAY_VERB_ZERO, VERBS[n], "ZERO");
+    values(FRAY_VERB_HALT, VERBS[n], "HALT");
   }
   values(FRAY_RESULT_OK, "VAL_ 17 ACK_Result", "OK");
   values(FRAY_RESULT_REFUSED, "VAL_ 17 ACK_Result", "REFUSED");
@@ -276,6 +356,7 @@ static void names_of_values(void) {
   values(1, "VAL_ 1793 STATUS_ContactsFull", "CONTACTS_FULL");
   values(1, "VAL_ 1793 STATUS_CutsWait", "CUTS_WAIT");
   values(1, "VAL_ 1793 STATUS_LeftWorld", "LEFT_WORLD");
+  values(1, "VAL_ 1793 STATUS_Halted", "HALTED");
 }
 
 int main(int argc, char **argv) {
@@ -286,6 +367,8 @@ int main(int argc, char **argv) {
   TEST(command_and_ack_signals);
   TEST(tear_signals);
   TEST(status_signals);
+  TEST(protected_signals);
+  TEST(tags_signals);
   TEST(every_signal_was_checked);
   TEST(scales_and_ranges);
   TEST(names_of_values);

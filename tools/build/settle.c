@@ -99,6 +99,15 @@ static void still_scene(const scene *s, scene *still) {
   }
 }
 
+/* The runtime's drag is the cloth's alone; what hangs on it must come to rest too. */
+static void slow_bodies(fray_world *w) {
+  for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
+    for (uint32_t n = 0; n < 3 && w->bodies[b].motion == FRAY_FREE; ++n) {
+      int32_t *v = &w->body_states[b].velocity[n];
+      *v -= (int32_t)fx_round64(fx_mul_wide(*v, w->params->drag), 24);
+    }
+}
+
 /* Lets everything come to rest in thick air, then takes all motion away. */
 static void come_to_rest(fray_world *w, const settle_plan *plan, const uint8_t *idle, trial *t) {
   const fray_input nothing = {0, {{0, 0, 0, 0, 0}, {0, 0, 0, 0, 0}}, 0, 0};
@@ -108,6 +117,7 @@ static void come_to_rest(fray_world *w, const settle_plan *plan, const uint8_t *
   p->drag = fx_max(drag, fx_min(1 << 23, (1 << 24) / p->rate_hz * SETTLE_DRAG));
   for (uint32_t tick = 0; tick < plan->rest_ticks; ++tick) {
     fray_tick(w, &nothing, &out);
+    slow_bodies(w);
     if (tick % 32 == 0 && plan->progress != NULL)
       plan->progress(plan->context, (uint32_t)p->substeps, (uint32_t)p->sweeps, tick,
                      plan->rest_ticks + plan->ticks);

@@ -1,0 +1,184 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#define _GNU_SOURCE
+#define FRAY_SYS_FAULTS
+
+#include "tests/sim/sys_faults.h"
+
+#include <linux/can.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/time.h>
+
+#include "platform/linux/sys.h"
+#include "rt/wire/codec.h"
+
+enum { CALL_NS = 1000, ECHO_NS = 60000, ANSWER_NS = 100000 };
+
+kernel sys;
+
+void sys_begin(void) {
+  char *const file = sys.file != NULL ? sys.file : malloc(KERNEL_FILE);
+  if (file == NULL) abort();
+  memset(&sys, 0, offsetof(kernel, rx));
+  sys.rx_count = sys.rx_taken = sys.last_sync_tick = 0;
+  sys.has_sync = sys.counter = sys.command = 0;
+  sys.file_bytes = 0;
+  sys.file = file;
+  sys.now_ns = 5000000000;
+  sys.disk_room = -1;
+}
+
+void sys_end(void) {
+  free(sys.file);
+  sys.file = NULL;
+}
+
+void sys_fail(uint32_t kinds, uint32_t n, uint32_t length, int error) {
+  sys.kinds = kinds;
+  sys.first = n;
+  sys.length = length;
+  sys.number = 0;
+  sys.error = error;
+  sys.failed = 0;
+}
+
+static int fails(call_kind kind) {
+  sys.now_ns += CALL_NS;
+  ++sys.calls;
+  if ((sys.kinds >> kind & 1u) == 0) return 0;
+  ++sys.number;
+  if (sys.number < sys.first || sys.number - sys.first >= sys.length) return 0;
+  ++sys.failed;
+  sys.last_fault_ns = sys.now_ns;
+  errno = sys.error;
+  return 1;
+}
+
+static void bring(const frame *f, int own, int64_t after_ns) {
+  if (sys.rx_count == KERNEL_FRAMES) abort();
+  const uint32_t n = sys.rx_count++;
+  const int64_t before = n == 0 ? 0 : sys.rx[n - 1].at_ns;
+  const int64_t at_ns = sys.now_ns + after_ns;
+  sys.rx[n].f = *f;
+  sys.rx[n].own = (uint8_t)own;
+  sys.rx[n].at_ns = at_ns > before ? at_ns : before;
+}
+
+void sys_command(uint8_t verb) {
+  frame f;
+  sys.command = (uint8_t)((sys.command + 1u) & 15u);
+  const codec_command command = {sys.command, verb, 0};
+  codec_encode_command(&f, 0, &command);
+  bring(&f, 0, 0);
+}
+
+/* The device: one pose a hand for each new SYNC. */
+static void answer(const frame *f) {
+  codec_sync sync;
+  if (codec_decode_sync(f, 0, &sync) != CODEC_OK) return;
+  if (sys.has_sync && sync.tick == sys.last_sync_tick) return;
+  sys.has_sync = 1;
+  sys.last_sync_tick = sync.tick;
+  sys.counter = (uint8_t)((sys.counter + 1u) & 15u);
+  for (uint32_t h = 0; h < FRAY_HANDS; ++h) {
+    frame pose;
+    const fray_pose at = {0, 0, 0, sys.counter, 0};
+    codec_encode_pose(&pose, 0, h, &at);
+    bring(&pose, 0, ANSWER_NS);
+  }
+}
+
+ssize_t sys_send(int fd, const void *data, size_t bytes) {
+  struct canfd_frame raw;
+  frame f;
+  (void)fd;
+  if (fails(CALL_SEND)) return -1;
+  memset(&raw, 0, sizeof raw);
+  memcpy(&raw, data, bytes);
+  memset(&f, 0, sizeof f);
+  f.id = raw.can_id & CAN_SFF_MASK;
+  f.length = raw.len;
+  memcpy(f.data, raw.data, 8);
+  if (sys.deaf) return (ssize_t)bytes;
+  bring(&f, 1, ECHO_NS);
+  answer(&f);
+  return (ssize_t)bytes;
+}
+
+static void put_time(struct msghdr *message, int64_t at_ns) {
+  struct timeval when = {(time_t)(at_ns / 1000000000), (suseconds_t)(at_ns % 1000000000 / 1000)};
+  struct cmsghdr *const c = CMSG_FIRSTHDR(message);
+  c->cmsg_level = SOL_SOCKET;
+  c->cmsg_type = SO_TIMESTAMP;
+  c->cmsg_len = CMSG_LEN(sizeof when);
+  memcpy(CMSG_DATA(c), &when, sizeof when);
+  message->msg_controllen = CMSG_SPACE(sizeof when);
+}
+
+static int has_frame(void) {
+  return sys.rx_taken < sys.rx_count && sys.rx[sys.rx_taken].at_ns <= sys.now_ns;
+}
+
+ssize_t sys_recvmsg(int fd, struct msghdr *message) {
+  struct can_frame raw;
+  (void)fd;
+  if (fails(CALL_RECEIVE)) return -1;
+  if (!has_frame()) {
+    errno = EAGAIN;
+    return -1;
+  }
+  const uint32_t n = sys.rx_taken++;
+  memset(&raw, 0, sizeof raw);
+  raw.can_id = sys.rx[n].f.id;
+  raw.len = sys.rx[n].f.length;
+  memcpy(raw.data, sys.rx[n].f.data, 8);
+  memcpy(message->msg_iov[0].iov_base, &raw, sizeof raw);
+  message->msg_flags = sys.rx[n].own ? MSG_CONFIRM | MSG_DONTROUTE : 0;
+  put_time(message, sys.rx[n].at_ns);
+  return (ssize_t)sizeof raw;
+}
+
+int sys_poll(struct pollfd *fds, nfds_t count, const struct timespec *timeout) {
+  (void)count;
+  if (fails(CALL_POLL)) return -1;
+  const int64_t end_ns = sys.now_ns + (int64_t)timeout->tv_sec * 1000000000 + timeout->tv_nsec;
+  if (!has_frame() && sys.rx_taken < sys.rx_count && sys.rx[sys.rx_taken].at_ns <= end_ns)
+    sys.now_ns = sys.rx[sys.rx_taken].at_ns;
+  if (!has_frame()) {
+    sys.now_ns = end_ns;
+    return 0;
+  }
+  fds[0].revents = POLLIN;
+  return 1;
+}
+
+int sys_sleep_until(const struct timespec *when) {
+  if (fails(CALL_SLEEP)) return -1;
+  const int64_t end_ns = (int64_t)when->tv_sec * 1000000000 + when->tv_nsec;
+  if (sys.now_ns < end_ns) sys.now_ns = end_ns;
+  return 0;
+}
+
+int sys_now(struct timespec *now) {
+  if (fails(CALL_NOW)) return -1;
+  now->tv_sec = (time_t)(sys.now_ns / 1000000000);
+  now->tv_nsec = (long)(sys.now_ns % 1000000000);
+  return 0;
+}
+
+ssize_t sys_log(int fd, const char *text, size_t bytes) {
+  (void)fd;
+  if (fails(CALL_LOG)) return -1;
+  if (sys.disk_room == 0) {
+    errno = ENOSPC;
+    return -1;
+  }
+  if (sys.disk_room > 0 && bytes > (size_t)sys.disk_room) bytes = (size_t)sys.disk_room;
+  if (sys.short_write != 0 && bytes > sys.short_write) bytes = sys.short_write;
+  if (sys.disk_room > 0) sys.disk_room -= (int64_t)bytes;
+  if (sys.file_bytes + bytes > KERNEL_FILE) abort();
+  memcpy(sys.file + sys.file_bytes, text, bytes);
+  sys.file_bytes += bytes;
+  return (ssize_t)bytes;
+}

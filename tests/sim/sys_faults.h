@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A kernel of a test's own behind platform/linux/sys.h: virtual time, one CAN interface that echoes what
+ * is sent, a device that answers each SYNC, a file. Every call takes a microsecond; any can fail. */
+#ifndef FRAY_TESTS_SIM_SYS_FAULTS_H
+#define FRAY_TESTS_SIM_SYS_FAULTS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "rt/wire/frame.h"
+
+typedef enum { CALL_RECEIVE, CALL_SEND, CALL_POLL, CALL_SLEEP, CALL_NOW, CALL_LOG, CALLS } call_kind;
+
+enum { KERNEL_FRAMES = 1 << 16, KERNEL_FILE = 1 << 23 };
+
+typedef struct {
+  int64_t now_ns, last_fault_ns;
+  uint64_t calls; /* in all */
+  /* of the calls of `kinds` (bit k: kind k), those with number first..first + length - 1 fail */
+  uint32_t kinds, first, length, number;
+  int error;
+  uint32_t failed;
+  int64_t disk_room;   /* bytes that the file still takes; -1: any number */
+  uint32_t short_write; /* so many bytes of a write at most; 0: all */
+  uint32_t deaf;       /* the bus does not confirm: nothing sent comes back */
+  /* the interface: what will be received, by time */
+  struct {
+    frame f;
+    int64_t at_ns;
+    uint8_t own;
+  } rx[KERNEL_FRAMES];
+  uint32_t rx_count, rx_taken;
+  uint32_t last_sync_tick;
+  uint8_t has_sync, counter, command;
+  char *file;
+  size_t file_bytes;
+} kernel;
+
+extern kernel sys;
+
+void sys_begin(void);
+void sys_end(void);
+/* From now on: the n-th call (from 1) of each of these kinds together, and `length` in a row. */
+void sys_fail(uint32_t kinds, uint32_t n, uint32_t length, int error);
+/* An operator's COMMAND on the bus, now. */
+void sys_command(uint8_t verb);
+
+#endif
