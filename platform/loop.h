@@ -29,8 +29,9 @@ void loop_begin(loop *l, fray_world *world, uint32_t instance);
  * the same SYNC is tried again. LOOP_STOPPED: platform_wait() said so. */
 loop_result loop_run(loop *l);
 
-/* The verb goes over the bus as a COMMAND of the loop's own and acts in the next tick, before
- * what the bus says: STOP when the program ends. */
+/* The verb goes over the bus as a COMMAND of the loop's own and acts in the next tick, instead of
+ * what the bus says: a COMMAND that came for this tick is dropped without an ACK. HALT after a lost
+ * bus takes the place of a verb that still waits. STOP when the program ends. */
 void loop_command(loop *l, uint8_t verb);
 
 #endif

@@ -10,6 +10,8 @@
 #include "tools/open.h"
 #include "tools/options.h"
 
+enum { FALL_STEPS_MIN = 16 };
+
 static void print_usage(FILE *out) {
   fprintf(out,
           "usage: fray scene X.scene [-o X.img] [--emit-c NAME]\n\n"
@@ -71,6 +73,10 @@ int cmd_scene(int argc, char **argv) {
       printf(", found in %u test runs, largest strain at rest %.2f %%", report.tries,
              report.strain_q16 / 655.36);
     printf("\n");
+    if (report.fall_steps > 0 && report.fall_steps < FALL_STEPS_MIN)
+      printf("note: gravity moves a particle %u position steps a substep; below %d, slow sideways\n"
+             "      motion of lone ends sticks (rt/README.md). Fewer substeps do better here.\n",
+             report.fall_steps, FALL_STEPS_MIN);
   }
   free(image);
   return written ? 0 : 1;

@@ -140,6 +140,7 @@ start_host() {
 }
 
 start_uml() {
+  ulimit -c 0
   files=''
   version=$(linux.uml --version)
   for module in $uml_modules; do
@@ -214,7 +215,7 @@ if [ $kind != host ]; then
   readers="$readers $!"
 fi
 ended=0
-wait "$guest" || ended=$?
+wait "$guest" 2>/dev/null || ended=$? # user-mode-linux can abort as it powers off, all written: no word of it
 kill -KILL -- "-$guest" 2>/dev/null || true
 guest=''
 for reader in $readers; do wait "$reader" || true; done # they end when the guest has

@@ -9,6 +9,7 @@
 here=tests/bus
 work=$(mktemp -d /dev/shm/fray-bus.XXXXXX)
 fray=$work/fray
+kept=$FRAY_BUILD/tests/bus/failed
 bare_timer=$FRAY_BUILD/tests/bus/bare_timer
 cp "$FRAY" "$fray" # others read it too, see interop
 chmod 755 "$work" "$fray"
@@ -105,10 +106,16 @@ session() { # SESSION SCRIPT TICKS HAND_OPTION...
   stop_log "$name"
 }
 verify() { "$fray" verify "$1" --scene "$work/sheet.img" >"$work/verify.out" 2>&1; } # LOG
+keep() { # SESSION: what it left, for whoever looks into a failure
+  mkdir -p "$kept"
+  cp "$work/$1".* "$work/sheet.img" "$kept/"
+  echo "    kept in $kept"
+}
 verified_hash() { sed -n 's/^verified .*hash //p' "$work/verify.out"; }
 verifies() { # SESSION LOG: and ends where the run ended
   if ! verify "$2"; then
     echo "    $(head -n 2 "$work/verify.out")"
+    keep "$1"
     return 1
   fi
   is "$(verified_hash)" "$(hash_of "$1")"
@@ -157,6 +164,7 @@ test_play() {
 }
 
 # ---- 4: the hands fall silent
+forces() { tail -n 60 "$work/$1.can" | awk '$3 ~ /^18[12]#/ { f = substr($3, 9) } END { exit !(f != "" && f != "000000000000") }'; }
 test_stop() {
   old_rate=$rate
   make_scene 500 12 # 10 ms are a whole number of ticks
@@ -165,9 +173,8 @@ test_stop() {
       start_log stop
       start_hand stop hold
       start_fray stop --record "$work/stop.own"
-      until_true fray_ticks stop
-      sleep 0.8
-      kill -$signal "$hand_pid"
+      until_true forces stop || true
+      kill -$signal "$hand_pid" || fail "stop: the hands have ended: $(cat "$work/stop.hand.out")"
       sleep 0.3
       kill "$fray_pid"
       end_fray stop
@@ -215,7 +222,7 @@ test_flood() {
     fi
     consumed=$(awk '$3 ~ /^182#/ { c = substr($3, 7, 1); if (c != last) ++n; last = c } END { print n + 0 }' "$work/$kind.own")
     figure "$kind: $(lateness $kind)"
-    figure "$kind: right hand's poses consumed in $consumed of $(count_of $kind ticks) ticks, wrong CRC $(count_of $kind 'wrong CRC'), queue full $(count_of $kind 'queue full'), kernel drops $(count_of $kind 'kernel drops'), SYNCs lost $(count_of $kind 'SYNCs lost')"
+    figure "$kind: right hand's poses consumed in $consumed of 500 ticks, wrong CRC $(count_of $kind 'wrong CRC'), queue full $(count_of $kind 'queue full'), kernel drops $(count_of $kind 'kernel drops'), SYNCs lost $(count_of $kind 'SYNCs lost')"
     pushed=$(poses_in $kind)
     sum=$(sum_of $kind)
     own=$(grep -c '^([0-9.]*) [^ ]* 010#..01020' "$work/$kind.own") || true # fray's STOP is in the log, not in the port
@@ -225,7 +232,7 @@ test_flood() {
     holds "$kind: poses are consumed in at least half of the ticks: $consumed" [ "$consumed" -ge 250 ]
   done
   flooded=$(sed -n 's/.* \([0-9]*\) flooded.*/\1/p' "$work/flooder.out")
-  figure "flood: $flooded frames in $(count_of flood ticks) ticks of $((1000 / rate)) ms"
+  figure "flood: $flooded frames in 500 ticks of $((1000 / rate)) ms"
   holds "flood: the damaged frames are counted" [ "$(count_of flood 'wrong CRC')" -gt $((flooded / 4)) ]
 }
 
@@ -313,6 +320,7 @@ test_flap() {
     if [ "$gaps" -ne 1 ] || [ "$halted" -ne 1 ]; then
       bad=$((bad + 1))
       fail "flap $n: $gaps gaps, HALTED and SAFE $halted"
+      keep flap
     fi
     wrong_all=$((wrong_all + wrong))
     if [ "$wrong" -gt 0 ]; then wrong_runs=$((wrong_runs + 1)); fi

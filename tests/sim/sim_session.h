@@ -27,7 +27,6 @@ typedef struct {
   uint8_t counter[FRAY_HANDS], command;
   int16_t apart;      /* each hand's way out, device steps */
   uint8_t silent;     /* bit h: hand h says nothing */
-  uint32_t answers;   /* poses said for so many SYNCs */
 } session;
 
 /* The world is built or opened before; counters go on where the world left off. */
@@ -42,7 +41,7 @@ FIXTURE void session_begin(session *s) {
 
 FIXTURE void session_poses(session *s) {
   for (uint32_t h = 0; h < FRAY_HANDS; ++h) {
-    if ((s->silent >> h & 1u) != 0) continue;
+    if (((uint32_t)s->silent >> h & 1u) != 0) continue;
     s->counter[h] = (uint8_t)((s->counter[h] + 1u) & 15u);
     sim_pose(h, s->counter[h], (int16_t)(h == 0 ? -s->apart : s->apart), 0, 0);
   }
@@ -70,7 +69,8 @@ FIXTURE void session_start(session *s, uint32_t ticks, int16_t apart) {
   session_poses(s);
   session_say(s, FRAY_VERB_START);
   for (uint32_t n = 0; n < ticks; ++n) {
-    s->apart = n < 20 ? 0 : (int16_t)((int32_t)apart * (int32_t)(n - 20) / (int32_t)ticks);
+    const int32_t way = n < 20 ? 0 : apart * (int32_t)(n - 20) / (int32_t)ticks;
+    s->apart = (int16_t)way;
     (void)session_tick(s);
   }
 }

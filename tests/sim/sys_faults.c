@@ -73,6 +73,15 @@ void sys_command(uint8_t verb) {
   bring(&f, 0, 0);
 }
 
+void sys_error(uint32_t class) {
+  frame f;
+  memset(&f, 0, sizeof f);
+  f.id = class;
+  f.error = 1;
+  f.length = 8;
+  bring(&f, 0, 0);
+}
+
 /* The device: one pose a hand for each new SYNC. */
 static void answer(const frame *f) {
   codec_sync sync;
@@ -130,7 +139,7 @@ ssize_t sys_recvmsg(int fd, struct msghdr *message) {
   }
   const uint32_t n = sys.rx_taken++;
   memset(&raw, 0, sizeof raw);
-  raw.can_id = sys.rx[n].f.id;
+  raw.can_id = sys.rx[n].f.id | (sys.rx[n].f.error ? CAN_ERR_FLAG : 0);
   raw.len = sys.rx[n].f.length;
   memcpy(raw.data, sys.rx[n].f.data, 8);
   memcpy(message->msg_iov[0].iov_base, &raw, sizeof raw);

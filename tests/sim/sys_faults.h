@@ -44,5 +44,7 @@ void sys_end(void);
 void sys_fail(uint32_t kinds, uint32_t n, uint32_t length, int error);
 /* An operator's COMMAND on the bus, now. */
 void sys_command(uint8_t verb);
+/* The controller reports an error of this class (linux/can/error.h). */
+void sys_error(uint32_t class);
 
 #endif

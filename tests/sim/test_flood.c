@@ -58,7 +58,7 @@ static outcome run(uint32_t a_tick) {
     const uint32_t looked = looked_at(&s.l.in.statistics) - before;
     if (looked > o.looked_most) o.looked_most = looked;
     for (uint32_t h = 0; h < FRAY_HANDS; ++h) {
-      if ((s.l.input.has_pose >> h & 1u) == 0) {
+      if (((uint32_t)s.l.input.has_pose >> h & 1u) == 0) {
         ++o.without;
         continue;
       }

@@ -56,7 +56,8 @@ static void fills_in_defaults(void) {
   CHECK_EQ_INT(parsed.sweeps, 1);
   CHECK_EQ_INT(parsed.seed, 1);
   CHECK_EXACT(parsed.gravity[1], -981, 1);
-  CHECK_EXACT(parsed.settle, 1, 2);
+  CHECK_EXACT(parsed.settle, 0, 1);
+  CHECK_EXACT(parsed.rest_strain, 1, 20);
   CHECK_EQ_INT(parsed.sheet.line, 2);
   CHECK_EXACT(parsed.sheet.warp_spacing, 1, 12);
   CHECK_EXACT(parsed.sheet.weft_spacing, 1, 12);
@@ -232,7 +233,7 @@ static void names_what_is_wrong(void) {
               "cuts_per_tick");
   check_fails(START "speed 3\n", 3, 1,
               "found 'speed', expected a key of the scene: scene, rate, substeps, sweeps, "
-              "gravity, seed, settle, sheet, ball, box, bar, plane, pin, limits, hands");
+              "gravity, seed, settle, rest_strain, sheet, ball, box, bar, plane, pin, limits, hands");
   check_fails(START "}\n", 3, 1, "found '}', expected no brace: no block is open");
   check_fails(START "seed 1\nseed 2\n", 4, 1,
               "found 'seed' again in the scene, expected it once; see line 3");

@@ -203,6 +203,14 @@ static void start_at_rest(fray_world *w, const settle_rest *rest) {
   memcpy(w->z, rest->particles[2], particles * sizeof *w->z);
 }
 
+/* Along the axis on which it pulls most. */
+static uint32_t fall_steps(const params *p) {
+  const uint32_t x = fx_magnitude(p->gravity_x);
+  const uint32_t y = fx_magnitude(p->gravity_y);
+  const uint32_t z = fx_magnitude(p->gravity_z);
+  return (x > y ? (x > z ? x : z) : (y > z ? y : z)) >> FX_SUB_BITS;
+}
+
 static void begin_hash(fray_world *w) {
   const uint64_t now = world_hash(w);
   w->state->hash[0] = (int32_t)(uint32_t)(now & 0xFFFFFFFFu);
@@ -242,6 +250,7 @@ int build_image(const scene *s, const char *file, uint8_t **image, size_t *image
       fill_world(s, file, report->substeps, report->sweeps, &memory, &w, error)) {
     start_at_rest(w, &rest);
     begin_hash(w);
+    report->fall_steps = fall_steps(w->params);
     *image_bytes = fray_save_bytes(w);
     *image = malloc(*image_bytes);
     if (*image == NULL)
