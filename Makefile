@@ -11,7 +11,7 @@ FUZZ_SECONDS ?= 60
 RT_C := $(wildcard rt/*/*.c)
 TOOL_C := $(wildcard tools/*.c tools/*/*.c platform/*.c platform/log/*.c platform/linux/*.c)
 UNIT_C := $(wildcard tests/unit/*.c tests/oracle/*.c tests/run/*.c tests/sim/test_*.c)
-HELPER_C := tests/cross/emit.c tests/cli/alter.c
+HELPER_C := tests/cross/emit.c tests/cli/alter.c tests/bus/bare_timer.c
 
 RT_O := $(RT_C:%.c=$(BUILD)/%.o)
 TOOL_O := $(TOOL_C:%.c=$(BUILD)/%.o)
@@ -26,7 +26,7 @@ SIM_O := $(BUILD)/tests/sim/sim_board.o
 FAULT_O := $(patsubst %,$(BUILD)/faults/platform/linux/%.o,board bus_log can_socket timer)
 IMAGE_16 := $(BUILD)/id16/tests/unit/test_image
 
-.PHONY: all help run test clean san san-integer checked golden golden-update fuzz tidy size bench force
+.PHONY: all help run test clean san san-integer checked golden golden-update fuzz tidy size bench force bus-test bus-test-qemu
 all: $(FRAY) ## build the `fray` command
 
 help: ## list the targets
@@ -102,6 +102,12 @@ golden-update: $(FRAY) $(HELPERS) ## write tests/golden anew; commit it alone an
 
 fuzz: $(FRAY) ## feed the parsers and the loader with damaged input, FUZZ_SECONDS each
 	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) sh tests/fuzz/fuzz.sh $(FUZZ_SECONDS)
+
+bus-test: $(FRAY) $(BUILD)/tests/bus/bare_timer ## live sessions on vcan, on the host or in a guest, with can-utils
+	@FRAY=$(FRAY) BUILD=$(BUILD) sh tests/bus/run.sh
+
+bus-test-qemu: $(FRAY) ## the same bus on two emulated controllers, and on vcan with unpinned queues
+	@FRAY=$(FRAY) BUILD=$(BUILD) sh tests/bus/run.sh qemu
 
 tidy: ## arrows between folders, sizes of files and functions, licences, cppcheck
 	@BUILD=$(BUILD) sh tests/tidy.sh

@@ -57,7 +57,9 @@ int can_open(can_socket *s, const char *interface, const can_setting *setting) {
   s->fd = socket(PF_CAN, SOCK_RAW, CAN_RAW);
   if (s->fd < 0)
     return refuse(s, "no CAN socket", "; expected a kernel with CAN (modprobe can_raw)");
-  if (ioctl(s->fd, SIOCGIFINDEX, &request) != 0)
+  const int cut_short = strlen(interface) >= sizeof request.ifr_name; /* another's name by chance */
+  if (cut_short) errno = ENODEV;
+  if (cut_short || ioctl(s->fd, SIOCGIFINDEX, &request) != 0)
     return refuse(s, "no such interface", "; expected one that `ip link show type can` lists");
   address.can_family = AF_CAN;
   address.can_ifindex = request.ifr_ifindex;

@@ -17,9 +17,8 @@ BEGIN { zero[1] = zero[2] = 1; start_us = -1 }
     ++ticks
     gap = last_sync != "" ? seconds - last_sync : 0
     last_sync = seconds
-    # 50 ms without a SYNC: the bus was gone
-    if (gap > 0.05) { ++gaps; back = 1; halted = 0; started = 0 }
-    if (back && !started) ++held
+    # the bus was gone for 0.2 s; a guest that stands still that long looks the same
+    if (gap > 0.15 && !gaps) { ++gaps; back = 1; forced_before = forced_now }
   }
   if (id == "101" || id == "102") { last_pose = ticks; pose_seconds = seconds; stale = 0; forced = forced_now }
   if (id == "181" || id == "182") {
@@ -27,7 +26,7 @@ BEGIN { zero[1] = zero[2] = 1; start_us = -1 }
     zero[hand] = substr(data, 5) == "000000000000"
     if (!zero[hand]) {
       forced_now = 1
-      if (back && !started) { ++wrong; wrong_tick = ticks }
+      if (back && !started) ++wrong
       if (started) ++again
     } else if (zero[1] && zero[2]) forced_now = 0
     if (!(zero[1] && zero[2])) { quiet = 0 } else if (!quiet) { quiet = ticks; quiet_seconds = seconds }
@@ -46,5 +45,5 @@ END {
   if (what == "stop")
     printf "forced=%d stale_ticks=%d stale_ms=%.2f zero_ticks=%d zero_ms=%.2f\n", forced, stale - last_pose - 1,
       (stale_seconds - pose_seconds) * 1000, quiet - stale, (quiet_seconds - stale_seconds) * 1000
-  if (what == "halt") printf "gaps=%d halted=%d wrong=%d wrong_ticks=%d again=%d\n", gaps, halted, wrong, held, again
+  if (what == "halt") printf "gaps=%d halted=%d wrong=%d forced_before=%d again=%d\n", gaps, halted, wrong, forced_before, again
 }

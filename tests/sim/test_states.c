@@ -92,6 +92,7 @@ static void step(uint8_t verb, int has_poses) {
   if (o.acked != now.verb) complain("acked", o.acked, now.verb);
   if (o.result != now.result) complain("result", o.result, now.result);
   if (verb != FRAY_VERB_NONE && o.ack_counter != 5) complain("counter", o.ack_counter, 5);
+  if (now.dark == 0 && f.w->state->ramp == 0) complain("no force let out in state", o.state, 0);
   if (session_force_is_zero(&o)) return;
   ++forces_seen;
   if (now.dark < FADE) return;
