@@ -137,12 +137,26 @@ static void print_pieces(const run_job *j, FILE *out, const piece *pieces, uint3
   }
 }
 
+/* What became of the frames of a device log. */
+static void print_input(const port_statistics *p, FILE *out) {
+  fprintf(out, "input        %u frames accepted", p->accepted);
+  if (p->lost != 0) fprintf(out, ", %u lost", p->lost);
+  if (p->repeated != 0) fprintf(out, ", %u repeated", p->repeated);
+  if (p->wrong_crc != 0) fprintf(out, ", %u with a wrong CRC", p->wrong_crc);
+  if (p->wrong_length + p->wrong_flags + p->wrong_field != 0)
+    fprintf(out, ", %u of a wrong form", p->wrong_length + p->wrong_flags + p->wrong_field);
+  if (p->unknown_id != 0) fprintf(out, ", %u with an unknown id", p->unknown_id);
+  if (p->queue_full != 0) fprintf(out, ", %u dropped", p->queue_full);
+  fprintf(out, "\n");
+}
+
 static void print_summary(const run_job *j, FILE *out, const piece *pieces, uint32_t count) {
   const fray_facts *f = &j->s.facts;
   const fray_work most = fray_limits(j->s.opened.world);
   fprintf(out, "scene        %s\n", j->o->file);
   fprintf(out, "rate         %u Hz, %u substeps, %u sweeps\n", f->rate_hz, f->substeps, f->sweeps);
   fprintf(out, "ticks        %u (%.3f s)\n", j->ticks, (double)j->ticks / f->rate_hz);
+  if (j->o->log != NULL && !j->s.log.recording) print_input(&j->s.log.port, out);
   if (j->first_cut != UINT32_MAX)
     fprintf(out, "first tear   tick %u (%.3f s)\n", j->first_cut,
             (double)j->first_cut / f->rate_hz);

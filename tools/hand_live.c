@@ -75,6 +75,8 @@ static void flood(hand_live *l) {
                             : 0x400u + (bits >> 8 & 0xFFu);
     f.length = 8;
     for (uint32_t n = 0; n < 8; ++n) f.data[n] = (uint8_t)(random_bits(bits, n) & 0xFFu);
+    fray_pose pose;
+    if (codec_decode_pose(&f, l->script->instance, 0, &pose) == CODEC_OK) f.data[0] ^= 1u;
     (void)can_send(&l->can, &f);
     l->flood_next_ns += 1000000000 / (int64_t)l->o->flood_hz;
   }

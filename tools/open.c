@@ -123,6 +123,11 @@ int world_open_file(const char *path, struct opened *out, FILE *err) {
   memset(out, 0, sizeof *out);
   out->image = world_read_file(path, &out->image_bytes, err);
   if (out->image == NULL) return OPEN_FAILED;
+  if (out->image_bytes == 0) {
+    fprintf(err, "%s: is empty, expected a scene or an image\n", path);
+    world_close(out);
+    return OPEN_FAILED;
+  }
   if (out->image_bytes < 4 || memcmp(out->image, "FRAY", 4) != 0) {
     build_report report;
     uint8_t *text = out->image;
