@@ -352,7 +352,8 @@ static void throw_poses(const char *label, const char *hands, int32_t clamp, int
       const int corner = tick / 500 % 2 == 0; /* extremes, then anything */
       int16_t v[3];
       for (uint32_t n = 0; n < 3; ++n)
-        v[n] = corner ? (r >> n & 1 ? INT16_MAX : INT16_MIN) : (int16_t)(r >> 16 * n & 0xFFFFu);
+        v[n] = (int16_t)(corner ? (r >> n & 1 ? INT16_MAX : INT16_MIN)
+                                : (int16_t)(r >> 16 * n & 0xFFFFu));
       input.pose[h] = (fray_pose){v[0], v[1], v[2], (uint8_t)(tick & 15u), 0};
     }
     const fray_output out = fixture_tick(&f, &input);

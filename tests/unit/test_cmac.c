@@ -67,7 +67,7 @@ static void key_schedule(void) {
   for (unsigned n = 0; n < 16; ++n) {
     bytes[n] = 0;
     for (unsigned b = 0; b < 8; ++b) {
-      bytes[n] |= (uint8_t)((key.round[10][b] >> n & 1u) << b);
+      bytes[n] |= (uint8_t)(((uint32_t)key.round[10][b] >> n & 1u) << b);
     }
   }
   check_hex(bytes, "d014f9a8c9ee2589e13f0cc8b6630ca6");
