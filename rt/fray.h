@@ -79,7 +79,7 @@ typedef enum {
   FRAY_VERB_STOP,  /* OPERATIONAL -> READY; forces fade out; withdraws a START that waits */
   FRAY_VERB_RESET, /* SAFE -> READY; clears the sticky faults */
   FRAY_VERB_ZERO,  /* OPERATIONAL: forces fade to zero and stay there until the next START */
-  FRAY_VERB_HALT   /* any state -> SAFE; the runtime says it when it has lost the bus */
+  FRAY_VERB_HALT   /* any state -> SAFE, force zero at once; said by the runtime on a lost bus */
 } fray_verb;
 
 typedef struct {

@@ -9,7 +9,7 @@
 
 /* A FORCE is sent in its tick; on a crowded bus it may come after the next SYNC, whose id wins
  * the arbitration. One that comes so many SYNCs later is another tick's. */
-enum { FORCE_LATE_TICKS = 8 };
+enum { FORCE_LATE_TICKS = 8, COMMAND_WINDOW = 4096 /* entries before an ACK */ };
 
 /* What a tick took stood in the queue before its SYNC. A listener may see it a little later; two
  * SYNCs later it is another one with the same counter, and the one that was taken is missing. */
@@ -247,33 +247,43 @@ static int assign_poses(reader *r, uint32_t hand) {
   return 1;
 }
 
+/* Whether entry `at` is this COMMAND and has not been answered before. */
+static int is_open_command(const reader *r, const uint8_t *answered, size_t at, uint8_t verb,
+                           uint8_t counter) {
+  codec_command command;
+  return !answered[at] &&
+         codec_decode_command(&r->log->entries[at].frame, r->setting->instance, &command) ==
+             CODEC_OK &&
+         command.counter == counter && command.verb == verb;
+}
+
+/* The newest one: the runtime's own HALT overtakes what an operator has said before it. */
+static int answer_command(const reader *r, uint8_t *answered, uint32_t n) {
+  replay_tick *tick = &r->out->ticks[n];
+  const uint8_t counter = (uint8_t)(tick->ack[1] >> 4);
+  const int limit = line_limit(r, n);
+  size_t end = r->log->count;
+  while (end > 0 && r->log->entries[end - 1].line >= limit) --end;
+  for (size_t at = end; at > 0 && end - at < COMMAND_WINDOW; --at)
+    if (is_open_command(r, answered, at - 1, tick->ack[2], counter)) {
+      answered[at - 1] = 1;
+      tick->input.verb = tick->ack[2];
+      tick->input.verb_counter = counter;
+      return 1;
+    }
+  return candump_fail(r->error, r->file, tick->ack_line, 0,
+                      "ACK of verb %d with counter %d, whose COMMAND is not in the log",
+                      tick->ack[2], counter);
+}
+
 static int assign_commands(reader *r) {
-  replay *out = r->out;
-  size_t at = 0;
-  for (uint32_t n = 0; n < out->count; ++n) {
-    replay_tick *tick = &out->ticks[n];
-    if (tick->ack_line == 0) continue;
-    const uint8_t counter = (uint8_t)(tick->ack[1] >> 4);
-    uint32_t skipped = 0;
-    for (; at < r->log->count && skipped < 16 && tick->input.verb == FRAY_VERB_NONE; ++at) {
-      codec_command command;
-      const frame *f = &r->log->entries[at].frame;
-      if (r->log->entries[at].line >= line_limit(r, n)) break;
-      if (codec_decode_command(f, r->setting->instance, &command) != CODEC_OK) continue;
-      if (command.counter == counter && command.verb == tick->ack[2]) {
-        tick->input.verb = command.verb;
-        tick->input.verb_counter = command.counter;
-      } else {
-        skipped += 1;
-      }
-    }
-    if (tick->input.verb == FRAY_VERB_NONE) {
-      return candump_fail(r->error, r->file, tick->ack_line, 0,
-                          "ACK of verb %d with counter %d, whose COMMAND is not in the log",
-                          tick->ack[2], counter);
-    }
-  }
-  return 1;
+  uint8_t *answered = calloc(r->log->count + 1, 1);
+  int good = answered != NULL;
+  if (!good) (void)candump_fail(r->error, r->file, 0, 0, "not enough memory");
+  for (uint32_t n = 0; good && n < r->out->count; ++n)
+    if (r->out->ticks[n].ack_line != 0) good = answer_command(r, answered, n);
+  free(answered);
+  return good;
 }
 
 static int read_recording(reader *r) {

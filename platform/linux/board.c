@@ -12,7 +12,7 @@
 
 /* Waits of 100 us; more of them fit into PLATFORM_CONFIRM_US only when they return at once. The cap is
  * for a clock that stands still. */
-enum { READS_PER_SYNC = 1024, WAITS_PER_SYNC = 4096, WAITS_TO_CLOSE = 4096 };
+enum { READS_PER_SYNC = 1024, WAITS_PER_SYNC = 4096, QUIET_US = 5000, WAITS_TO_CLOSE = 4096 };
 
 board linux_board;
 
@@ -48,7 +48,7 @@ void board_close(int64_t timeout_us) {
   const int64_t end_ns = timer_now_ns() + timeout_us * 1000;
   for (int waits = 0; waits < WAITS_TO_CLOSE && timer_now_ns() < end_ns;) {
     if (receive(&f) != CAN_NOTHING) continue;
-    if (can_wait(&linux_board.can, 1000) == 0) break;
+    if (can_wait(&linux_board.can, QUIET_US) == 0) break; /* a controller echoes late */
     ++waits;
   }
   bus_log_end(&linux_board.log);
@@ -72,19 +72,21 @@ platform_result platform_sync(const frame *sync, port *p) {
   uint32_t reads = 0;
   uint32_t waits = 0;
   do {
-    if (!sent) sent = can_send(&linux_board.can, sync);
+    /* read before the look: a process that was not run for 2 ms still looks once more */
+    const int late = timer_now_ns() >= end_ns;
+    if (!sent && !late) sent = can_send(&linux_board.can, sync);
     const can_event event = receive(&f);
     if (event == CAN_ECHO && same_frame(&f, sync)) return PLATFORM_SENT;
     if (event == CAN_RECEIVED) port_push(p, &f);
     if (event != CAN_NOTHING) {
       ++reads;
-    } else if (linux_board.can.down || linux_board.can.bus_off) {
+    } else if (late || linux_board.can.down || linux_board.can.bus_off) {
       return PLATFORM_LOST;
     } else {
       (void)can_wait(&linux_board.can, 100);
       ++waits;
     }
-  } while (reads < READS_PER_SYNC && waits < WAITS_PER_SYNC && timer_now_ns() < end_ns);
+  } while (reads < READS_PER_SYNC && waits < WAITS_PER_SYNC);
   if (reads == READS_PER_SYNC) ++linux_board.reads_capped;
   return PLATFORM_LOST;
 }

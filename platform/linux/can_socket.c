@@ -57,16 +57,20 @@ int can_open(can_socket *s, const char *interface, const can_setting *setting) {
   s->fd = socket(PF_CAN, SOCK_RAW, CAN_RAW);
   if (s->fd < 0)
     return refuse(s, "no CAN socket", "; expected a kernel with CAN (modprobe can_raw)");
-  const int cut_short = strlen(interface) >= sizeof request.ifr_name; /* another's name by chance */
-  if (cut_short) errno = ENODEV;
-  if (cut_short || ioctl(s->fd, SIOCGIFINDEX, &request) != 0)
+  if (ioctl(s->fd, SIOCGIFINDEX, &request) != 0)
     return refuse(s, "no such interface", "; expected one that `ip link show type can` lists");
   address.can_family = AF_CAN;
   address.can_ifindex = request.ifr_ifindex;
   if (set_filters(s, setting) != 0 || set_options(s, setting) != 0)
     return refuse(s, "a socket option was refused", "");
   if (bind(s->fd, (const struct sockaddr *)&address, sizeof address) != 0)
-    return refuse(s, "cannot be bound", "; expected it to be up: ip link set IFACE up");
+    return refuse(s, "cannot be bound", "");
+  int fault = 0; /* an interface that is down can be bound, and says so here */
+  socklen_t bytes = sizeof fault;
+  if (getsockopt(s->fd, SOL_SOCKET, SO_ERROR, &fault, &bytes) == 0 && fault != 0) {
+    errno = fault;
+    return refuse(s, "cannot be used", "; expected it to be up: ip link set IFACE up");
+  }
   return 1;
 }
 

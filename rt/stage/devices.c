@@ -54,6 +54,7 @@ static fray_result obey(state *s, uint32_t verb) {
     case FRAY_VERB_HALT:
       s->starting = 0;
       s->mode = FRAY_SAFE;
+      s->ramp = 0; /* the device has heard nothing for a while: no force comes back */
       s->faults |= (int32_t)FRAY_FAULT_HALTED;
       return FRAY_RESULT_OK;
     default:
