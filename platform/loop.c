@@ -11,6 +11,7 @@ void loop_begin(loop *l, fray_world *world, uint32_t instance) {
   l->hash = (uint32_t)(fray_hash(world) & 0xFFFFFFFFu);
   port_init(&l->in, instance, f.hands, f.consumed);
   port_sender_init(&l->out, instance, f.hands, f.rate_hz);
+  l->out.contacts_max = fray_limits(world).contacts;
 }
 
 void loop_command(loop *l, uint8_t verb) { l->command = verb; }
@@ -49,7 +50,8 @@ loop_result loop_run(loop *l) {
   port_take(&l->in, &l->input);
   if (l->halt != 0) l->command = FRAY_VERB_HALT;
   if (l->command != FRAY_VERB_NONE) say_command(l);
-  if (l->input.verb == FRAY_VERB_HALT) l->halt = 0;
+  if (l->halt != 0 && l->input.verb != FRAY_VERB_HALT) return LOOP_BUS_LOST;
+  l->halt = 0;
   fray_tick(l->world, &l->input, &l->output);
   l->tick = l->output.tick + 1u;
   l->hash = (uint32_t)(l->output.hash & 0xFFFFFFFFu);

@@ -91,7 +91,7 @@ typedef struct {
 
 typedef enum { FRAY_READY = 1, FRAY_OPERATIONAL = 2, FRAY_SAFE = 3 } fray_state;
 
-/* Sticky fault bits; cleared by FRAY_VERB_RESET. */
+/* Sticky fault bits; cleared by FRAY_VERB_RESET, which applies in SAFE only (HALT leads there). */
 enum {
   FRAY_FAULT_STALE_LEFT = 1u << 0,
   FRAY_FAULT_STALE_RIGHT = 1u << 1,
@@ -164,9 +164,10 @@ typedef enum { FRAY_STRUCTURAL = 0, FRAY_BEND = 1, FRAY_SHEAR = 2 } fray_family;
 typedef struct {
   uint32_t i, j;     /* particles */
   int32_t rest;      /* Q24 lu */
-  uint32_t home;     /* canonical id in the weave, see fray_sheet */
+  uint32_t home;     /* canonical id in the weave: see fray_sheet for structural rows; bend and
+                        shear rows are numbered on behind them (rt/model/weave.h) */
   uint8_t alive;
-  uint8_t held;      /* one end is carried by a body */
+  uint8_t held;      /* at least one end is carried by a body */
   int32_t threshold; /* Q16 strain at which it is cut; structural rows only */
 } fray_row;
 

@@ -4,6 +4,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "rt/wire/codec.h"
 #include "tools/hand_live.h"
@@ -13,6 +14,7 @@
 #include "tools/script.h"
 
 enum { EXIT_GOOD = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
+enum { PATIENCE_MS = 2000 };
 
 static void print_usage(FILE *out) {
   fputs("usage: fray hand -o OUT.log X.hand\n"
@@ -112,7 +114,7 @@ static int run_script(const char *script_file, const char *out_file, const devic
 int cmd_hand(int argc, char **argv) {
   const char *out_file = NULL;
   const char *script_file = NULL;
-  hand_live_options live = {NULL, 0, 0, 2000};
+  hand_live_options live = {NULL, 0, 0, PATIENCE_MS};
   device_trouble t = {0, 0, 0, 0, 0, 0, 0, 1};
   int rigid = 0;
   const option table[] = {
@@ -137,6 +139,12 @@ int cmd_hand(int argc, char **argv) {
     fprintf(stderr, "fray hand: expected a script and either -o OUT.log or --can IFACE; "
                     "fray hand --help tells more\n");
   if (wish == OPTIONS_WRONG || !one_target || script_file == NULL) return EXIT_USAGE;
+  const device_trouble none = {0, 0, 0, 0, 0, 0, 0, t.seed};
+  if (out_file != NULL && (memcmp(&t, &none, sizeof t) != 0 || rigid || live.free_running ||
+                           live.flood_hz != 0 || live.patience_ms != PATIENCE_MS)) {
+    fprintf(stderr, "fray hand: trouble, --free, --rigid and --patience go with --can\n");
+    return EXIT_USAGE;
+  }
   t.rigid = (uint32_t)rigid;
   return run_script(script_file, out_file, &t, &live);
 }

@@ -17,7 +17,7 @@
 #include "tools/render/report_run.h"
 #include "tools/session.h"
 
-enum { DEFAULT_TICKS = 1000, PICTURES = 8, PATH_ROOM = 1024 };
+enum { DEFAULT_TICKS = 1000, PICTURES = 8, PATH_ROOM = 1024, PRIORITY = 80 };
 
 typedef struct {
   const char *file, *log, *record, *report, *save, *can;
@@ -65,6 +65,10 @@ static int fail(const char *path) {
 
 static int begin(run_job *j) {
   const fray_facts *f = &j->s.facts;
+  if (j->o->log != NULL && j->s.log.count == 0) {
+    fprintf(stderr, "%s: holds no frames, expected a device log or a recording\n", j->o->log);
+    return 0;
+  }
   j->ticks = j->o->ticks != 0 ? j->o->ticks : (j->o->log != NULL ? j->s.log.count : DEFAULT_TICKS);
   j->first_cut = UINT32_MAX;
   run_trace_open(&j->trace, f->rate_hz, f->hands);
@@ -74,6 +78,7 @@ static int begin(run_job *j) {
     if (j->out == NULL) return fail(j->o->record);
     record_begin(&j->recording, j->out, j->o->instance, f->hands, f->rate_hz, f->tick,
                  fray_hash(j->s.opened.world));
+    j->recording.sender.contacts_max = fray_limits(j->s.opened.world).contacts;
   }
   return 1;
 }
@@ -244,7 +249,7 @@ int cmd_run(int argc, char **argv) {
   run_options o;
   run_job *j = calloc(1, sizeof *j);
   memset(&o, 0, sizeof o);
-  o.priority = 80;
+  o.priority = PRIORITY;
   o.cpu = LIVE_ANY_CPU;
   const option table[] = {
       {"--log", &o.log, NULL, NULL, 0, 0},       {"--ticks", NULL, &o.ticks, NULL, 1, 1u << 26},
@@ -259,6 +264,9 @@ int cmd_run(int argc, char **argv) {
   if (wish == OPTIONS_HELP || (wish == OPTIONS_GOOD && o.file == NULL)) {
     print_usage(wish == OPTIONS_HELP ? stdout : stderr);
     code = wish == OPTIONS_HELP ? 0 : 2;
+  } else if (wish == OPTIONS_GOOD && o.can == NULL &&
+             (o.realtime || o.priority != PRIORITY || o.cpu != LIVE_ANY_CPU)) {
+    fprintf(stderr, "fray run: --realtime, --priority and --cpu go with --can\n");
   } else if (o.can != NULL && (o.log != NULL || o.report != NULL)) {
     fprintf(stderr, "fray run: --can excludes --log and --report; render its recording instead\n");
   } else if (wish == OPTIONS_GOOD && j != NULL) {

@@ -18,13 +18,32 @@ static void print_usage(FILE *out) {
           "Compiles a scene to an image. Where the scene leaves substeps or sweeps open, finds\n"
           "them by test runs and prints them. The same scene gives the same bytes everywhere.\n\n"
           "  -o FILE         where the image goes (default: the scene's name with .img)\n"
-          "  --emit-c NAME   writes a C array `NAME` instead of the bytes\n\n"
+          "  --emit-c NAME   writes a C array `NAME`, and `NAME_bytes`, instead of the bytes\n\n"
           "exit: 0 good, 1 writing failed, 2 wrong use or unreadable input\n");
 }
 
+/* Letters, digits and underscores; C's own words are all shorter than a good name. */
+static int is_identifier(const char *name) {
+  static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_";
+  static const char *const taken[] = {"auto", "break", "case", "char", "const", "continue",
+                                      "default", "do", "double", "else", "enum", "extern", "float",
+                                      "for", "goto", "if", "inline", "int", "long", "register",
+                                      "restrict", "return", "short", "signed", "sizeof", "static",
+                                      "struct", "switch", "typedef", "union", "unsigned", "void",
+                                      "volatile", "while"};
+  for (size_t n = 0; n < sizeof taken / sizeof taken[0]; ++n)
+    if (strcmp(name, taken[n]) == 0) return 0;
+  const size_t length = strlen(name);
+  return length > 0 && strspn(name, letters) > 0 &&
+         strspn(name + 1, "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_") ==
+             length - 1;
+}
+
 static int write_c(FILE *out, const char *name, const uint8_t *image, size_t bytes) {
-  fprintf(out, "#include <stdint.h>\n\nextern const uint8_t %s[%zu];\n"
-          "_Alignas(16) const uint8_t %s[%zu] = {", name, bytes, name, bytes);
+  fprintf(out,
+          "#include <stdint.h>\n\nextern const uint8_t %s[%zu];\nextern const uint32_t %s_bytes;\n"
+          "const uint32_t %s_bytes = %zu;\n_Alignas(16) const uint8_t %s[%zu] = {",
+          name, bytes, name, name, bytes, name, bytes);
   for (size_t n = 0; n < bytes; ++n) fprintf(out, "%s%u,", n % 24 == 0 ? "\n" : "", image[n]);
   fprintf(out, "\n};\n");
   return !ferror(out);
@@ -59,6 +78,10 @@ int cmd_scene(int argc, char **argv) {
     return wish == OPTIONS_HELP ? 0 : 2;
   }
   if (wish == OPTIONS_WRONG) return 2;
+  if (array != NULL && !is_identifier(array)) {
+    fprintf(stderr, "fray scene: --emit-c '%s', expected a name that C takes\n", array);
+    return 2;
+  }
   build_report report;
   size_t bytes = 0;
   uint8_t *image = world_compile_file(file, &bytes, &report, stderr);

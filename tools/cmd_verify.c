@@ -157,7 +157,7 @@ static int verify_world(const options *o, const candump_log *log, struct opened 
   if (!replay_is_recording(log, o->instance)) {
     fprintf(stderr, "%s: no SYNC of instance %" PRIu32 ", expected a recording\n", o->log_file,
             o->instance);
-    return EXIT_DIFFERS;
+    return EXIT_USAGE;
   }
   if (!replay_read(o->log_file, log, &setting, &run, &error)) {
     candump_print_error(stderr, &error);

@@ -15,7 +15,7 @@
 #include "platform/loop.h"
 
 /* A kill loses what the log has not written: 4 KiB are 14 ticks of two hands. */
-enum { FADE_TICKS_MAX = 1000, DRAIN_US = 20000, LOG_WRITE = 1 << 12 };
+enum { FADE_TICKS_MAX = 11000, LOST_MAX = 1000, DRAIN_US = 20000, LOG_WRITE = 1 << 12 };
 
 static volatile sig_atomic_t asked_to_stop;
 
@@ -48,8 +48,12 @@ static int forces_are_zero(const fray_output *out) {
 /* STOP, then ticks until the forces have faded: the device's last word from us is zero. */
 static void fade_out(loop *l) {
   loop_command(l, FRAY_VERB_STOP);
-  for (int n = 0; n < FADE_TICKS_MAX; ++n) {
-    if (loop_run(l) != LOOP_TICKED) continue;
+  for (int ticks = 0, lost = 0; ticks < FADE_TICKS_MAX && lost < LOST_MAX;) {
+    if (loop_run(l) != LOOP_TICKED) {
+      ++lost;
+      continue;
+    }
+    ++ticks;
     if (l->command == FRAY_VERB_NONE && l->output.state != FRAY_OPERATIONAL &&
         forces_are_zero(&l->output))
       return;
@@ -81,7 +85,7 @@ int live_run(fray_world *world, const live_options *o, fray_output *last) {
   static loop l;
   int log_fd = -1;
   if (o->record != NULL) {
-    log_fd = open(o->record, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    log_fd = open(o->record, O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
     if (log_fd < 0) {
       fprintf(stderr, "%s: cannot be written: %s\n", o->record, strerror(errno));
       return 1;
@@ -90,6 +94,8 @@ int live_run(fray_world *world, const live_options *o, fray_output *last) {
   catch_signals();
   int code = 2;
   if (prepare(o) && board_open(o->interface, o->instance, fray_describe(world).rate_hz, log_fd)) {
+    /* only now: a wrong interface must not cost the last recording */
+    if (log_fd >= 0 && ftruncate(log_fd, 0) != 0) linux_board.log.lost = 1;
     linux_board.log.write_at = LOG_WRITE;
     loop_begin(&l, world, o->instance);
     run_ticks(&l, o);

@@ -24,7 +24,7 @@ typedef struct {
   uint8_t consumed[FRAY_HANDS];
   uint8_t started;               /* a tick was written: consumed is known */
   uint8_t failed;
-  port_sender sender;            /* the caller may keep fill_percent and overruns */
+  port_sender sender;            /* the caller may set contacts_max and overruns */
 } record;
 
 /* Time of tick `tick` in a made-up log. */

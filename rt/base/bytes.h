@@ -25,7 +25,7 @@ static inline int bytes_host_is_little(void) {
   return __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__;
 }
 
-/* Check value: "123456789" gives 0xCBF43926. Cost: 8 steps a byte, no table. */
+/* Check value: "123456789" gives 0xCBF43926. Cost: 2 steps a byte, a table of 16 words. */
 uint32_t bytes_crc32(const uint8_t *data, size_t bytes);
 
 /* memset and memcpy, so that rt/ needs no libc. */

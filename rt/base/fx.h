@@ -2,7 +2,7 @@
 /* Fixed point: the one place that shifts, rounds, saturates and multiplies wide.
  *
  *  quantity              format        range         why it fits
- *  position              Q24 lu        +-60 lu       clamped in predict; 4 lu of margin below 2^31
+ *  position              Q24 lu        +-60 lu       held in predict and collide; differences fit 32 bits
  *  velocity              Q28 lu/sub    +-8 lu        saturated in finish
  *  position remainder    Q28 lu        +-8 LSB       rounding of Q28 to Q24, half away from zero
  *  link direction        Q16 lu        +-1/4 lu      saturated; rest lengths are below 1/8 lu
@@ -11,7 +11,8 @@
  *  friction, strain      Q16
  *  gains                 Q28 or stated with the gain
  *
- * No operation here is undefined for any operand: sums wrap in two's complement. A build with
+ * No operation here is undefined for any value: sums wrap in two's complement. Shift counts are
+ * the caller's: 1 to one less than the width. A build with
  * FRAY_CHECKED traps where a sum or a product leaves its type although it was proved not to.
  * Functions named fx_wrap_* are meant to wrap and never trap. */
 #ifndef FRAY_BASE_FX_H
@@ -69,11 +70,6 @@ FX_WRAPS static inline int64_t fx_add64(int64_t a, int64_t b) {
   const int64_t sum = (int64_t)((uint64_t)a + (uint64_t)b);
   FX_CHECK(((a ^ sum) & (b ^ sum)) >= 0);
   return sum;
-}
-FX_WRAPS static inline int64_t fx_sub64(int64_t a, int64_t b) {
-  const int64_t difference = (int64_t)((uint64_t)a - (uint64_t)b);
-  FX_CHECK(((a ^ b) & (a ^ difference)) >= 0);
-  return difference;
 }
 FX_WRAPS static inline int64_t fx_mul64(int64_t a, int64_t b) {
 #ifdef FRAY_CHECKED

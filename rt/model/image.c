@@ -230,9 +230,9 @@ fray_status fray_open(const void *image, size_t image_bytes, void *memory, size_
                       fray_world **world, fray_error *error) {
   uint32_t capacity[POOLS];
   const uint8_t *bytes = (const uint8_t *)image;
+  if (world != NULL) *world = NULL;
   if (world == NULL || memory == NULL || ((uintptr_t)memory & (FRAY_ALIGN - 1u)) != 0)
     return image_refuse(error, FRAY_BAD_ARGUMENT, 0, 0, "memory aligned to FRAY_ALIGN");
-  *world = NULL;
   fray_status status = read_header(bytes, image_bytes, capacity, error);
   if (status != FRAY_OK) return status;
   const uint32_t length = bytes_load32(bytes + 4 * IMAGE_BYTES_WORD);

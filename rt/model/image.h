@@ -7,7 +7,7 @@
  *
  * The CRC-32 covers everything behind its own word. It finds damage, not intent: an image from
  * an untrusted hand is safe to load (every field is checked) but not thereby authentic.
- * One major version is read; a minor version adds sections or words at the end of a table. */
+ * One version is read; another one is refused, and converted by tools. */
 #ifndef FRAY_MODEL_IMAGE_H
 #define FRAY_MODEL_IMAGE_H
 

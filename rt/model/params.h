@@ -64,7 +64,7 @@ enum {
   X(hands,              0,          3)         /* bit h: a body follows hand h */ \
   X(pose_gain,          1,          WORD_MAX)  /* Q8 of Q24 lu for one pose step of 2 um */ \
   X(hand_speed,         1,          1 << 28)   /* Q24 lu a tick */ \
-  X(force_gain,         1,          WORD_MAX)  /* impulse to 0.5 mN steps, see stage/force.c */ \
+  X(force_gain,         1,          1 << 23)   /* impulse to 0.5 mN steps, see stage/force.c */ \
   X(force_shift,        1,          62) \
   X(force_clamp,        0,          32767)     /* 0.5 mN */ \
   X(force_rate,         1,          32767)     /* 0.5 mN a tick */ \
@@ -106,9 +106,9 @@ typedef struct {
   X(pose_x_##h,         -32768,     32767)     /* the last pose, device steps */ \
   X(pose_y_##h,         -32768,     32767) \
   X(pose_z_##h,         -32768,     32767) \
-  X(datum_x_##h,        -32768,     32767)     /* the pose that means "at home" */ \
-  X(datum_y_##h,        -32768,     32767) \
-  X(datum_z_##h,        -32768,     32767) \
+  X(datum_x_##h,        -(1 << 17), 1 << 17)     /* the pose that means "at home" */ \
+  X(datum_y_##h,        -(1 << 17), 1 << 17) \
+  X(datum_z_##h,        -(1 << 17), 1 << 17) \
   X(sent_x_##h,         -32767,     32767)     /* the last force sent */ \
   X(sent_y_##h,         -32767,     32767) \
   X(sent_z_##h,         -32767,     32767)

@@ -58,7 +58,8 @@ static int counts_fit(const fray_world *w, fray_error *error) {
       (uint32_t)p->links + (uint32_t)p->bends + (uint32_t)p->shears == have[POOL_ROWS] &&
       (uint32_t)p->link_batches + (uint32_t)p->bend_batches + (uint32_t)p->shear_batches ==
           have[POOL_BATCHES] &&
-      (uint32_t)p->bodies == have[POOL_BODIES] && (uint32_t)p->cuts_max == have[POOL_CUTS];
+      (uint32_t)p->bodies == have[POOL_BODIES] && (uint32_t)p->cuts_max == have[POOL_CUTS] &&
+      have[POOL_LINK_CLASSES] >= 1 && have[POOL_SPRING_CLASSES] >= 1;
   if (!fit) return bad(error, IN_PARAMS, 0, "counts that agree with the header's capacities");
   if (p->tear_max < p->tear_min) return bad(error, IN_PARAMS, 0, "tear_max at least tear_min");
   if (p->held != 0 && p->bodies == 0) return bad(error, IN_PARAMS, 0, "a body that holds");
@@ -139,24 +140,30 @@ static int keys_good(const fray_world *w, const body *k) {
 }
 
 static int bodies_good(const fray_world *w, fray_error *error) {
+  int32_t hands = 0;
   for (uint32_t b = 0; b < w->capacity[POOL_BODIES]; ++b) {
     const body_state *s = &w->body_states[b];
     if (!body_good(w, &w->bodies[b])) return bad(error, IN_BODIES, b, "a body in its ranges");
     if (!keys_good(w, &w->bodies[b])) return bad(error, IN_KEYS, b, "keys with rising ticks");
+    if (w->bodies[b].motion == FRAY_HAND) {
+      if ((hands >> w->bodies[b].hand & 1) != 0) return bad(error, IN_BODIES, b, "one body a hand");
+      hands |= 1 << w->bodies[b].hand;
+    }
     int good = place_good(s->position);
     for (uint32_t n = 0; n < 3; ++n)
       good = good && s->remainder[n] >= -8 && s->remainder[n] <= 8 && s->fraction[n] >= 0 &&
              s->fraction[n] < 1 << 30 && s->velocity[n] > INT32_MIN;
     if (!good) return bad(error, IN_BODY_STATES, b, "a body's state in its ranges");
   }
+  if (hands != w->params->hands) return bad(error, IN_PARAMS, 0, "hands as the bodies have them");
   return 1;
 }
 
 static int particles_good(const fray_world *w, fray_error *error) {
   for (uint32_t p = 0; p < w->capacity[POOL_PARTICLES]; ++p) {
     const int32_t at[3] = {w->x[p], w->y[p], w->z[p]};
-    /* projections may have pushed past the edge that predict holds; 2 lu is far more than one
-     * substep can */
+    /* predict and collide hold particles within 60 lu; projections may push past that, by far
+     * less than 2 lu in a substep */
     for (uint32_t n = 0; n < 3; ++n)
       if (at[n] < -FX_WORLD_MAX - 2 * FX_LU || at[n] > FX_WORLD_MAX + 2 * FX_LU)
         return bad(error, IN_X + n, p, "a position within 62 lu");
@@ -175,12 +182,36 @@ static int particles_good(const fray_world *w, fray_error *error) {
   return 1;
 }
 
+/* Every crossing has a particle of its own; `seen` is scratch. */
+static int crossings_good(const fray_world *w, fray_error *error) {
+  const uint32_t particles = (uint32_t)w->params->particles;
+  int32_t *seen = w->qx; /* not in use between ticks */
+  for (uint32_t n = 0; n < w->capacity[POOL_PARTICLES]; ++n) seen[n] = 0;
+  for (uint32_t n = 0; n < w->capacity[POOL_CROSSINGS]; ++n)
+    if (w->crossing[n] >= particles || seen[w->crossing[n]]++ != 0)
+      return bad(error, IN_CROSSING, n, "a particle in use, each once");
+  return 1;
+}
+
+/* A row is its canonical row: of the same family, between the particles of the same crossings. */
+static int row_is_at_home(const fray_world *w, uint32_t row) {
+  uint32_t a;
+  uint32_t b;
+  weave_ends(world_weave(w), w->home[row], &a, &b);
+  const uint32_t i = w->crossing[a];
+  const uint32_t j = w->crossing[b];
+  return (w->row_i[row] == i && w->row_j[row] == j) || (w->row_i[row] == j && w->row_j[row] == i);
+}
+
+static uint32_t family_of(const fray_world *w, uint32_t row) {
+  const uint32_t links = (uint32_t)w->params->links;
+  return row < links ? 0u : (row < links + (uint32_t)w->params->bends ? 1u : 2u);
+}
+
 static int ids_good(const fray_world *w, fray_error *error) {
   const uint32_t particles = (uint32_t)w->params->particles;
   const uint32_t rows = w->capacity[POOL_ROWS];
   const uint32_t links = (uint32_t)w->params->links;
-  for (uint32_t n = 0; n < w->capacity[POOL_CROSSINGS]; ++n)
-    if (w->crossing[n] >= particles) return bad(error, IN_CROSSING, n, "a particle in use");
   for (uint32_t row = 0; row < rows; ++row) {
     const uint32_t classes =
         row < links ? w->capacity[POOL_LINK_CLASSES] : w->capacity[POOL_SPRING_CLASSES];
@@ -239,11 +270,26 @@ static int batches_good(const fray_world *w, fray_error *error) {
   return 1;
 }
 
+static int homes_good(const fray_world *w, fray_error *error) {
+  for (uint32_t row = 0; row < w->capacity[POOL_ROWS]; ++row)
+    if (family_of(w, row) != family_of(w, w->home[row]) || !row_is_at_home(w, row))
+      return bad(error, IN_HOME, row, "the canonical row of its family and its crossings");
+  return 1;
+}
+
 static int topology_good(const fray_world *w, fray_error *error) {
   const uint64_t now = world_topology(w);
   if ((uint32_t)w->state->topology[0] != (uint32_t)(now & 0xFFFFFFFFu) ||
       (uint32_t)w->state->topology[1] != (uint32_t)(now >> 32))
     return bad(error, IN_STATE, 4, "the hash of the dead rows");
+  return 1;
+}
+
+static int hash_good(const fray_world *w, fray_error *error) {
+  const uint64_t now = world_hash(w);
+  if ((uint32_t)w->state->hash[0] != (uint32_t)(now & 0xFFFFFFFFu) ||
+      (uint32_t)w->state->hash[1] != (uint32_t)(now >> 32))
+    return bad(error, IN_STATE, 6, "the hash of the state");
   return 1;
 }
 
@@ -253,8 +299,8 @@ fray_status image_validate(const fray_world *w, fray_error *error) {
       words_in_range(w->params, params_ranges, PARAM_WORDS, IN_PARAMS, &found) &&
       words_in_range(w->state, state_ranges, STATE_WORDS, IN_STATE, &found) &&
       counts_fit(w, &found) && link_classes_good(w, &found) && spring_classes_good(w, &found) &&
-      bodies_good(w, &found) && particles_good(w, &found) && ids_good(w, &found) &&
-      batches_good(w, &found) && topology_good(w, &found);
+      bodies_good(w, &found) && particles_good(w, &found) && crossings_good(w, &found) && ids_good(w, &found) &&
+      batches_good(w, &found) && homes_good(w, &found) && topology_good(w, &found) && hash_good(w, &found);
   if (good) return FRAY_OK;
   if (error != NULL) *error = found;
   return found.status;

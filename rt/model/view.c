@@ -79,16 +79,6 @@ fray_sheet fray_view_sheet(const fray_world *w) {
   return s;
 }
 
-/* Which batch a row is in; a linear walk, for tools. */
-static uint32_t held_of(const fray_world *w, uint32_t row) {
-  const uint32_t batches = (uint32_t)(w->params->link_batches + w->params->bend_batches +
-                                      w->params->shear_batches);
-  for (uint32_t b = 0; b < batches; ++b)
-    if (row < (uint32_t)w->batches[b].first + (uint32_t)w->batches[b].count)
-      return w->batches[b].held != BATCH_FREE;
-  return 0;
-}
-
 fray_row fray_view_row(const fray_world *w, fray_family family, uint32_t index) {
   const params *p = w->params;
   const uint32_t firsts[3] = {0, (uint32_t)p->links, (uint32_t)(p->links + p->bends)};
@@ -100,7 +90,7 @@ fray_row fray_view_row(const fray_world *w, fray_family family, uint32_t index) 
   v.j = w->row_j[row];
   v.home = w->home[row];
   v.alive = kind != ROW_DEAD;
-  v.held = (uint8_t)held_of(w, row);
+  v.held = v.i < (uint32_t)p->held || v.j < (uint32_t)p->held;
   v.rest = family == FRAY_STRUCTURAL ? w->links[kind].rest : w->springs[kind].rest;
   v.threshold = family == FRAY_STRUCTURAL ? world_threshold(w, row) : 0;
   return v;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The tick: the only file that knows the order of the stages. It is the loop of Metaaphanon 2009,
- * section 4 (its step numbers at the right), with the substeps around steps 1 to 6 and 8. */
+ * section 4 (its step numbers at the right), with the substeps around gravity, 4 to 6 and 8; bend,
+ * shear and damping act once a tick, before them. */
 #include "rt/base/bytes.h"
 #include "rt/stage/stage.h"
 

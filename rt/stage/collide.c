@@ -117,7 +117,7 @@ static int32_t depth_in(const body *s, vec3 d, int32_t skin, vec3 *normal) {
       return box_depth(s, d, skin, normal);
     case FRAY_PLANE:
       *normal = body_axis(s, 1);
-      return fx_max(0, (int32_t)fx_clamp64((int64_t)skin - vec_dot_unit(d, *normal), 0, INT32_MAX));
+      return (int32_t)fx_clamp64((int64_t)skin - vec_dot_unit(d, *normal), 0, INT32_MAX);
     default:
       return 0;
   }
@@ -127,12 +127,20 @@ static int32_t depth_in(const body *s, vec3 d, int32_t skin, vec3 *normal) {
  * else `limit` of it. */
 static vec3 friction(vec3 slip, int32_t limit) {
   const uint64_t n = vec_squared(slip);
-  if (n == 0) return slip;
   if (n <= (uint64_t)fx_mul_wide(limit, limit)) return slip;
   const fx_root root = fx_rsqrt(n, FX_ROOT_FINE);
   const vec3 unit = vec_make(fx_root_unit(root, slip.x), fx_root_unit(root, slip.y),
                              fx_root_unit(root, slip.z));
   return vec_scale_unit(unit, limit);
+}
+
+/* Moves a coordinate as far as the world goes; returns how far that was. */
+static int32_t move_within(fray_world *w, int32_t *at, int32_t by) {
+  const int32_t before = *at;
+  const int32_t wanted = fx_saturate((int64_t)before + by);
+  *at = fx_clamp(wanted, fx_min(before, -FX_WORLD_MAX), fx_max(before, FX_WORLD_MAX));
+  if (*at != wanted) w->state->faults |= (int32_t)FRAY_FAULT_LEFT_WORLD;
+  return *at - before;
 }
 
 static void resolve(fray_world *w, contact *c) {
@@ -151,11 +159,10 @@ static void resolve(fray_world *w, contact *c) {
   const vec3 since = vec_sub(world_position(w, p), vec_make(w->qx[p], w->qy[p], w->qz[p]));
   const vec3 moved = vec_sub(vec_add(vec_add(step, since), out), w->motion[c->body].moved);
   const vec3 slip = vec_sub(moved, vec_scale_unit(c->normal, vec_dot_unit(moved, c->normal)));
-  const int32_t limit = (int32_t)(fx_mul_wide(depth, s->friction) >> 16);
-  const vec3 push = vec_sub(out, friction(slip, limit));
-  w->x[p] = fx_add(w->x[p], push.x);
-  w->y[p] = fx_add(w->y[p], push.y);
-  w->z[p] = fx_add(w->z[p], push.z);
+  const int32_t limit = fx_saturate(fx_mul_wide(depth, s->friction) >> 16);
+  const vec3 wanted = vec_sub(out, friction(slip, limit));
+  const vec3 push = vec_make(move_within(w, &w->x[p], wanted.x), move_within(w, &w->y[p], wanted.y),
+                             move_within(w, &w->z[p], wanted.z));
   body_gave(&w->motion[c->body], (int64_t)push.x * (1 << FX_SUB_BITS),
             (int64_t)push.y * (1 << FX_SUB_BITS), (int64_t)push.z * (1 << FX_SUB_BITS));
 }

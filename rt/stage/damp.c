@@ -26,7 +26,7 @@ static unsigned normalise(int64_t *v, uint32_t count, unsigned bits) {
   for (uint32_t n = 0; n < count; ++n) all |= (uint64_t)(v[n] < 0 ? -v[n] : v[n]);
   unsigned shift = 0;
   while (all >> shift >= (uint64_t)1 << bits) ++shift;
-  for (uint32_t n = 0; n < count; ++n) v[n] = fx_asr64(v[n], shift);
+  for (uint32_t n = 0; n < count && shift > 0; ++n) v[n] = fx_round64(v[n], shift);
   return shift;
 }
 
@@ -49,7 +49,7 @@ static void solve_turn(int64_t i[6], int64_t l[3], int64_t turn[3]) {
   const int power = 28 - 23 + (int)l_shift - (int)i_shift;
   for (uint32_t n = 0; n < 3; ++n) {
     const int64_t quotient = v[n] / unit;
-    turn[n] = power < 0 ? fx_asr64(quotient, (unsigned)(power < -62 ? 62 : -power))
+    turn[n] = power < 0 ? fx_round64(quotient, (unsigned)(power < -62 ? 62 : -power))
                         : fx_clamp64(quotient, -((int64_t)1 << 30), (int64_t)1 << 30) *
                               ((int64_t)1 << (power > 20 ? 20 : power));
     turn[n] = fx_clamp64(turn[n], -((int64_t)1 << 31), (int64_t)1 << 31);
@@ -63,12 +63,12 @@ static rigid_motion find_motion(const fray_world *w, uint32_t first, uint32_t en
   m.centre = vec_make(mean(w->x, first, end), mean(w->y, first, end), mean(w->z, first, end));
   m.velocity = vec_make(mean(w->vx, first, end), mean(w->vy, first, end), mean(w->vz, first, end));
   for (uint32_t p = first; p < end; ++p) {
-    const int64_t x = fx_asr(w->x[p] - m.centre.x, 11); /* Q13 */
-    const int64_t y = fx_asr(w->y[p] - m.centre.y, 11);
-    const int64_t z = fx_asr(w->z[p] - m.centre.z, 11);
-    const int64_t u = fx_asr64((int64_t)w->vx[p] - m.velocity.x, 12); /* Q16 */
-    const int64_t v = fx_asr64((int64_t)w->vy[p] - m.velocity.y, 12);
-    const int64_t t = fx_asr64((int64_t)w->vz[p] - m.velocity.z, 12);
+    const int64_t x = fx_round64((int64_t)w->x[p] - m.centre.x, 11); /* Q13 */
+    const int64_t y = fx_round64((int64_t)w->y[p] - m.centre.y, 11);
+    const int64_t z = fx_round64((int64_t)w->z[p] - m.centre.z, 11);
+    const int64_t u = fx_round64((int64_t)w->vx[p] - m.velocity.x, 12); /* Q16 */
+    const int64_t v = fx_round64((int64_t)w->vy[p] - m.velocity.y, 12);
+    const int64_t t = fx_round64((int64_t)w->vz[p] - m.velocity.z, 12);
     inertia[0] += y * y + z * z;
     inertia[1] += x * x + z * z;
     inertia[2] += x * x + y * y;
@@ -92,13 +92,13 @@ static void damp_relative(fray_world *w, uint32_t first, uint32_t end) {
   const rigid_motion m = find_motion(w, first, end);
   const int32_t share = w->params->relative_damping;
   for (uint32_t p = first; p < end; ++p) {
-    const int64_t x = w->x[p] - m.centre.x;
-    const int64_t y = w->y[p] - m.centre.y;
-    const int64_t z = w->z[p] - m.centre.z;
+    const int64_t x = (int64_t)w->x[p] - m.centre.x;
+    const int64_t y = (int64_t)w->y[p] - m.centre.y;
+    const int64_t z = (int64_t)w->z[p] - m.centre.z;
     /* products below 2^31 * 2^31 each; Q52 to Q28 */
-    const int64_t turn_x = fx_asr64(fx_mul64(m.turn[1], z) - fx_mul64(m.turn[2], y), 24);
-    const int64_t turn_y = fx_asr64(fx_mul64(m.turn[2], x) - fx_mul64(m.turn[0], z), 24);
-    const int64_t turn_z = fx_asr64(fx_mul64(m.turn[0], y) - fx_mul64(m.turn[1], x), 24);
+    const int64_t turn_x = fx_round64(fx_mul64(m.turn[1], z) - fx_mul64(m.turn[2], y), 24);
+    const int64_t turn_y = fx_round64(fx_mul64(m.turn[2], x) - fx_mul64(m.turn[0], z), 24);
+    const int64_t turn_z = fx_round64(fx_mul64(m.turn[0], y) - fx_mul64(m.turn[1], x), 24);
     w->vx[p] = approach(w->vx[p], m.velocity.x + turn_x, share);
     w->vy[p] = approach(w->vy[p], m.velocity.y + turn_y, share);
     w->vz[p] = approach(w->vz[p], m.velocity.z + turn_z, share);

@@ -30,10 +30,10 @@ static void receive_poses(fray_world *w, const fray_input *input) {
   }
 }
 
-static fray_result obey(state *s, uint32_t verb) {
+static fray_result obey(state *s, uint32_t verb, int has_hands) {
   switch (verb) {
     case FRAY_VERB_START:
-      if (s->mode == FRAY_SAFE) return FRAY_RESULT_REFUSED;
+      if (s->mode == FRAY_SAFE || !has_hands) return FRAY_RESULT_REFUSED;
       if (s->mode == FRAY_READY) s->starting = 1;
       s->muted = 0;
       return FRAY_RESULT_OK;
@@ -77,7 +77,7 @@ static void take_datum(fray_world *w) {
     for (uint32_t n = 0; n < 3; ++n) {
       const int64_t away = (int64_t)w->body_states[b].position[n] - k->home[n];
       const int64_t steps = away * 256 / w->params->pose_gain;
-      hand->datum[n] = (int32_t)fx_clamp64(hand->pose[n] - steps, INT16_MIN, INT16_MAX);
+      hand->datum[n] = (int32_t)fx_clamp64(hand->pose[n] - steps, -(1 << 17), 1 << 17);
     }
   }
 }
@@ -95,7 +95,7 @@ static void change_state(fray_world *w, const fray_input *input) {
   w->acked = input->verb;
   w->ack_counter = input->verb_counter;
   w->result = FRAY_RESULT_OK;
-  if (input->verb != FRAY_VERB_NONE) w->result = (uint8_t)obey(s, input->verb);
+  if (input->verb != FRAY_VERB_NONE) w->result = (uint8_t)obey(s, input->verb, w->params->hands != 0);
   if (s->mode == FRAY_READY && s->starting != 0 && all_armed(w)) {
     s->mode = FRAY_OPERATIONAL;
     s->starting = 0;

@@ -5,7 +5,7 @@
  *
  * A projection moves both ends by f * d, where d = p_j - p_i and f = (1 - r/|d|) / 2. With
  * u = |d|^2/r^2 - 1 this is f = u * psi(u), psi(u) = (1 - 1/sqrt(1+u)) / (2u), a smooth function
- * that needs no square root: a quadratic is within 0.2% of it for strains up to 10% and within 7%
+ * that needs no square root: a quadratic is within 0.25% of it for strains up to 10% and within 7%
  * over the whole range taken here, u in [-7/16, 9/16]. What is stretched or squeezed beyond 25% is
  * corrected by the step of 25%. The fixed point u = 0 is exact whatever psi is.
  *
@@ -15,7 +15,7 @@
  *
  * Formats: 32-bit products only, good on small targets and wide units. A difference d in Q24 is
  * split into hi, 15 bits in units of 2^8, and the rest lo, so that |d|^2 = hi^2 + 2 hi lo + ... is
- * known to 2^-24 of r^2 (lo^2 is left out: below 2^-23). Directions use hi alone, lengths both:
+ * known to 2^-24 of r^2 for rest lengths from 1/16 lu (lo^2 is left out: below 2^-23). Directions use hi alone, lengths both:
  * with 16-bit lengths the rounding alone kept a hanging sheet moving at 3 cm/s. u and f are Q20;
  * one step of f is at most one position step of the correction. The same correction is added to
  * one end and taken from the other, so a pair of equal masses keeps its momentum to the last bit.

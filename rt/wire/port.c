@@ -130,6 +130,13 @@ static int port_status_due(const port_sender *s, const codec_status *now, uint32
          tick % s->status_ticks == 0;
 }
 
+/* Contacts are the pool that fills and empties while a world runs. */
+static uint8_t fill_percent(const port_sender *s, const fray_output *output) {
+  if (s->contacts_max == 0) return 0;
+  const uint64_t percent = (uint64_t)output->work.contacts * 100u / s->contacts_max;
+  return (uint8_t)(percent < 100u ? percent : 100u);
+}
+
 uint32_t port_encode(port_sender *s, const fray_output *output, frame frames[PORT_OUT]) {
   uint32_t count = 0;
   for (uint32_t h = 0; h < FRAY_HANDS; ++h) {
@@ -151,7 +158,7 @@ uint32_t port_encode(port_sender *s, const fray_output *output, frame frames[POR
     codec_encode_tear(&frames[count], s->instance, &tear);
     count += 1;
   }
-  const codec_status now = {output->state, s->fill_percent, output->faults, s->overruns,
+  const codec_status now = {output->state, fill_percent(s, output), output->faults, s->overruns,
                             port_saturate16(output->cuts_total)};
   if (port_status_due(s, &now, output->tick)) {
     codec_encode_status(&frames[count], s->instance, &now);

@@ -64,7 +64,7 @@ void port_take(port *p, fray_input *input);
 typedef struct {
   uint8_t instance;       /* 0..7 */
   uint8_t hands;          /* bit h: FORCE of hand h is sent */
-  uint8_t fill_percent;   /* of the fullest pool, 0..100: the caller's measure */
+  uint32_t contacts_max;  /* fray_limits().contacts: what 100 % of PoolFill is; 0: it says 0 */
   uint16_t overruns;      /* the caller's count, saturated */
   uint32_t status_ticks;  /* a STATUS at least every so many ticks: rate / 10, at least 1 */
   uint8_t has_sent;       /* a STATUS was sent */

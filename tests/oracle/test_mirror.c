@@ -76,8 +76,18 @@ static void and_with_a_ball_thrown_along_the_plane(void) {
   run("thrown_ball", &f);
 }
 
+/* Damping towards the rigid motion sums over the sheet and solves for its turning. */
+static void and_with_damping(void) {
+  fixture f;
+  fixture_file(&f, "tests/scenes/mirror.scene", "gather 10 % pleats 8",
+               "gather 10 % pleats 8\n  damping 2 /s", "gravity 0",
+               "limits {\n cuts_per_tick 64\n}\ngravity 0", NULL);
+  run("damped", &f);
+}
+
 int main(void) {
   TEST(a_mirrored_scene_stays_mirrored);
+  TEST(and_with_damping);
   TEST(and_with_a_ball_thrown_along_the_plane);
   return test_end();
 }

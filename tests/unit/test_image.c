@@ -243,7 +243,7 @@ static void no_capacities_overflow(void) {
 }
 
 /* Section ids as in model/image.c. */
-enum { ID_BATCHES = 5, ID_ROW_OF = 8, ID_ROW_I = 9, ID_ROW_J = 10 };
+enum { ID_BATCHES = 5, ID_HOME = 7, ID_ROW_OF = 8, ID_ROW_I = 9, ID_ROW_J = 10 };
 
 /* The first batch of two or more rows whose ends are both free. */
 static uint32_t batch_of_two(uint8_t *bytes, uint32_t *first) {
@@ -278,6 +278,28 @@ static void rows_crosswise(void) {
                 bytes_load16(section(copy, ID_ROW_I) + 2 * first));
   mend(copy, image_bytes);
   check_refused(copy, image_bytes, FRAY_BAD_BATCH, ID_BATCHES);
+  free(copy);
+}
+
+static uint32_t rows_of(const uint8_t *bytes) {
+  return bytes_load32(bytes + 4 * (IMAGE_CAPACITY_WORD + POOL_ROWS));
+}
+
+/* A structural and a shear row that trade their canonical numbers: still each once, but cutting
+ * the one would release what does not hang on it. */
+static void rows_that_trade_homes(void) {
+  uint8_t *copy = copy_of(image, image_bytes);
+  uint8_t *home = section(copy, ID_HOME);
+  uint8_t *row_of = section(copy, ID_ROW_OF);
+  const uint32_t last = rows_of(copy) - 1;
+  const uint16_t a = bytes_load16(home);
+  const uint16_t b = bytes_load16(home + 2 * last);
+  bytes_store16(home, b);
+  bytes_store16(home + 2 * last, a);
+  bytes_store16(row_of + 2 * b, 0);
+  bytes_store16(row_of + 2 * a, (uint16_t)last);
+  mend(copy, image_bytes);
+  check_refused(copy, image_bytes, FRAY_BAD_FIELD, ID_HOME);
   free(copy);
 }
 
@@ -403,6 +425,7 @@ int main(void) {
   TEST(no_capacities_overflow);
   TEST(rows_that_share_a_particle);
   TEST(rows_crosswise);
+  TEST(rows_that_trade_homes);
   TEST(batches_that_overlap_or_gape);
   TEST(ids_out_of_range);
   TEST(memory_too_small_or_crooked);

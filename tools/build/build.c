@@ -141,6 +141,12 @@ static int fill_bodies(const draft *d, fray_world *w) {
   return 1;
 }
 
+static void begin_hash(fray_world *w) {
+  const uint64_t now = world_hash(w);
+  w->state->hash[0] = (int32_t)(uint32_t)(now & 0xFFFFFFFFu);
+  w->state->hash[1] = (int32_t)(uint32_t)(now >> 32);
+}
+
 static int fill(draft *d, void **memory, fray_world **world) {
   uint32_t capacity[POOLS];
   if (!begin_draft(d) || !draft_scale(d) || !draft_bodies(d) || !draft_crossings(d) ||
@@ -160,6 +166,7 @@ static int fill(draft *d, void **memory, fray_world **world) {
       !draft_classes(d, WRITABLE(link_class, w->links), WRITABLE(spring_class, w->springs)))
     return 0;
   w->state->mode = FRAY_READY;
+  begin_hash(w);
   fray_error refused;
   if (image_validate(w, &refused) != FRAY_OK)
     return draft_refuse(d, 0, "the compiled world is not valid: section %u, element %u: %s",
@@ -211,28 +218,24 @@ static uint32_t fall_steps(const params *p) {
   return (x > y ? (x > z ? x : z) : (y > z ? y : z)) >> FX_SUB_BITS;
 }
 
-static void begin_hash(fray_world *w) {
-  const uint64_t now = world_hash(w);
-  w->state->hash[0] = (int32_t)(uint32_t)(now & 0xFFFFFFFFu);
-  w->state->hash[1] = (int32_t)(uint32_t)(now >> 32);
-}
-
 static int find_work(const scene *s, const char *file, build_report *report, settle_rest *rest,
                      build_progress *progress, void *context, scene_error *error) {
   settle_plan plan = {file, 0, 0, 0, progress, context};
   int64_t ticks;
   int64_t bound;
+  int64_t tear_min;
   report->substeps = s->substeps;
   report->sweeps = s->sweeps;
   report->searched = s->substeps == 0 || s->sweeps == 0;
   if (!exact_to_fixed(exact_mul(s->settle, exact_make(s->rate_hz, 1)), 0, &ticks) || ticks < 0 ||
-      ticks > 100000 || !exact_to_fixed(s->rest_strain, 16, &bound) || bound < 1) {
+      ticks > 100000 || !exact_to_fixed(s->rest_strain, 16, &bound) || bound < 1 ||
+      !exact_to_fixed(s->sheet.tear_min, 16, &tear_min)) {
     scene_refuse(error, file, 0, "settle: expected 0 to 100000 ticks, and a rest_strain above 0");
     return 0;
   }
   plan.rest_ticks = (uint32_t)ticks;
   plan.ticks = report->searched ? s->rate_hz / 2 : 0;
-  plan.strain_max_q16 = (int32_t)bound;
+  plan.strain_max_q16 = (int32_t)(s->sheet.tearing && tear_min < bound ? tear_min : bound);
   if (!report->searched && ticks == 0) return 1;
   return settle_scene(s, &plan, report, rest, error);
 }

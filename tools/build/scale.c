@@ -21,8 +21,8 @@ int draft_length(const draft *d, int line, exact centimetres, int32_t *lu) {
   int64_t fixed;
   const int fits = exact_to_fixed(exact_mul(centimetres, d->lu_per_cm), FX_POSITION_BITS, &fixed);
   if (!fits || fixed > FX_WORLD_MAX || fixed < -FX_WORLD_MAX)
-    return draft_refuse(d, line, "a length outside of the world: it spans %u cm around the origin, "
-                        "because yarns are this close", 120u * d->lu_um / 10000u);
+    return draft_refuse(d, line, "a length outside of the world: it spans %u mm around the origin, "
+                        "because yarns are this close", 120u * d->lu_um / 1000u);
   *lu = (int32_t)fixed;
   return 1;
 }
@@ -64,8 +64,10 @@ static int word(const draft *d, const char *key, exact value, unsigned shift, in
   int64_t fixed;
   if (!exact_to_fixed(value, shift, &fixed) || fixed < least || fixed > most)
     return draft_refuse(d, d->scene->sheet.line,
-                        "%s: the value is too large or too small at %u Hz with %u substeps", key,
-                        d->scene->rate_hz, d->substeps);
+                        "%s: does not fit the runtime's range at %u Hz with %u substeps, for "
+                        "crossings of this mass; expected a value nearer to Table 1's, or another "
+                        "rate",
+                        key, d->scene->rate_hz, d->substeps);
   *out = (int32_t)fixed;
   return 1;
 }
@@ -77,8 +79,9 @@ static int gravity_word(const draft *d, exact cm_s2, int32_t *whole, int32_t *re
   const exact step = exact_div(exact_div(lu, exact_make(per_second, 1)), exact_make(per_second, 1));
   int64_t fixed;
   if (!exact_to_fixed(step, 60, &fixed) || fixed < -((int64_t)1 << 55) || fixed > (int64_t)1 << 55)
-    return draft_refuse(d, 0, "gravity: too strong for %u Hz with %u substeps", d->scene->rate_hz,
-                        d->substeps);
+    return draft_refuse(d, 0, "gravity: too strong for %u Hz with %u substeps; expected less than 1/32 "
+                        "lu (%u um) a substep, each substep",
+                        d->scene->rate_hz, d->substeps, d->lu_um / 32u);
   *whole = (int32_t)fx_asr64(fixed, 32);
   *rest = (int32_t)(uint32_t)((uint64_t)fixed & 0xFFFFFFFFu);
   return 1;

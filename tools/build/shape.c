@@ -127,8 +127,8 @@ static int place_crossing(draft *d, uint32_t i, uint32_t j) {
   const int64_t z = centre.z + (s->sheet.vertical ? up : -across);
   const int64_t edge = FX_WORLD_MAX;
   if (x > edge || x < -edge || y > edge || y < -edge || z > edge || z < -edge)
-    return draft_refuse(d, s->sheet.line, "sheet: reaches outside of the world of %u cm",
-                        120u * d->lu_um / 10000u);
+    return draft_refuse(d, s->sheet.line, "sheet: reaches outside of the world of %u mm",
+                        120u * d->lu_um / 1000u);
   d->place[j * d->grid.warps + i] = vec_make((int32_t)x, (int32_t)y, (int32_t)z);
   return 1;
 }
