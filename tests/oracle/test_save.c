@@ -114,9 +114,35 @@ static void a_sheet_with_a_ball_goes_on_from_its_save(void) {
   check_scene("ball", &f);
 }
 
+/* A body pushes the sheet against the edge of the world: what is saved there can be opened. */
+static void what_is_saved_at_the_edge_opens(void) {
+  fixture f;
+  uint32_t saves = 0;
+  fixture_text(&f,
+               "scene edge\nrate 1000 Hz\nsubsteps 4\n"
+               "sheet {\n warps 8\n wefts 8\n spacing 12 /cm\n at 50 0 0 cm\n tear off\n}\n"
+               "box pusher {\n size 10 20 20 cm\n"
+               " move path {\n 0 s 40 0 0 cm\n 0.4 s 59 0 0 cm\n }\n}\n");
+  fray_output out;
+  memset(&out, 0, sizeof out);
+  for (uint32_t tick = 0; tick < 600; ++tick) {
+    out = fixture_tick(&f, &fixture_idle);
+    if (tick % 20 != 19) continue;
+    fixture copy;
+    fixture_copy(&copy, &f);
+    saves += fray_hash(copy.w) == out.hash;
+    fixture_close(&copy);
+  }
+  figure("save_at_the_edge", saves, "of 30 saves", "all open");
+  CHECK_EQ_INT(saves, 30);
+  CHECK((out.faults & FRAY_FAULT_LEFT_WORLD) != 0);
+  fixture_close(&f);
+}
+
 int main(void) {
   TEST(a_small_sheet_goes_on_from_its_save);
   TEST(a_mirrored_sheet_goes_on_from_its_save);
   TEST(a_sheet_with_a_ball_goes_on_from_its_save);
+  TEST(what_is_saved_at_the_edge_opens);
   return test_end();
 }
