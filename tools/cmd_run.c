@@ -65,10 +65,6 @@ static int fail(const char *path) {
 
 static int begin(run_job *j) {
   const fray_facts *f = &j->s.facts;
-  if (j->o->log != NULL && j->s.log.count == 0) {
-    fprintf(stderr, "%s: holds no frames, expected a device log or a recording\n", j->o->log);
-    return 0;
-  }
   j->ticks = j->o->ticks != 0 ? j->o->ticks : (j->o->log != NULL ? j->s.log.count : DEFAULT_TICKS);
   j->first_cut = UINT32_MAX;
   run_trace_open(&j->trace, f->rate_hz, f->hands);

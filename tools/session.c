@@ -19,6 +19,10 @@ static int read_log(session *s, const char *file, const char *path) {
   candump_free(&log);
   if (!good) {
     candump_print_error(stderr, &error);
+  } else if (s->log.count == 0) {
+    fprintf(stderr, "%s: holds no ticks, expected a device log or a recording\n", path);
+    replay_free(&s->log);
+    good = 0;
   } else if (s->log.recording && s->log.first != s->facts.tick) {
     fprintf(stderr, "%s: starts with tick %u, expected %u as in %s\n", path, s->log.first,
             s->facts.tick, file);

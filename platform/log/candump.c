@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "platform/log/candump.h"
 
+#include <errno.h>
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -259,7 +260,7 @@ int candump_load(const char *file, candump_log *log, candump_error *error) {
   log->entries = NULL;
   log->count = 0;
   FILE *in = fopen(file, "rb");
-  if (in == NULL) return candump_fail(error, file, 0, 0, "cannot be opened");
+  if (in == NULL) return candump_fail(error, file, 0, 0, "cannot be opened: %s", strerror(errno));
   char *text = read_all(in, &bytes);
   fclose(in);
   if (text == NULL) return candump_fail(error, file, 0, 0, "cannot be read");
