@@ -10,7 +10,7 @@ FUZZ_SECONDS ?= 60
 
 RT_C := $(wildcard rt/*/*.c)
 TOOL_C := $(wildcard tools/*.c tools/*/*.c platform/*.c platform/log/*.c platform/linux/*.c)
-UNIT_C := $(wildcard tests/unit/*.c tests/oracle/*.c tests/run/*.c tests/sim/test_*.c)
+UNIT_C := $(wildcard tests/unit/*.c tests/oracle/*.c tests/sim/test_*.c)
 HELPER_C := tests/cross/emit.c tests/cli/alter.c tests/bus/bare_timer.c
 
 RT_O := $(RT_C:%.c=$(BUILD)/%.o)
