@@ -143,6 +143,7 @@ static void print_input(const port_statistics *p, FILE *out) {
   fprintf(out, "input        %u frames accepted", p->accepted);
   if (p->lost != 0) fprintf(out, ", %u lost", p->lost);
   if (p->repeated != 0) fprintf(out, ", %u repeated", p->repeated);
+  if (p->old != 0) fprintf(out, ", %u too late", p->old);
   if (p->wrong_crc != 0) fprintf(out, ", %u with a wrong CRC", p->wrong_crc);
   if (p->wrong_length + p->wrong_flags + p->wrong_field != 0)
     fprintf(out, ", %u of a wrong form", p->wrong_length + p->wrong_flags + p->wrong_field);

@@ -63,9 +63,9 @@ static void fade_out(loop *l) {
 static void print_bus(const loop *l) {
   const port_statistics *p = &l->in.statistics;
   const board *b = &linux_board;
-  printf("bus          %s: accepted %u, repeated %u, lost %u, wrong CRC %u, wrong length %u,\n"
-         "             wrong flags %u, wrong field %u, unknown id %u, queue full %u\n",
-         b->can.name, p->accepted, p->repeated, p->lost, p->wrong_crc, p->wrong_length,
+  printf("bus          %s: accepted %u, repeated %u, old %u, lost %u, wrong CRC %u,\n"
+         "             wrong length %u, wrong flags %u, wrong field %u, unknown id %u, queue full %u\n",
+         b->can.name, p->accepted, p->repeated, p->old, p->lost, p->wrong_crc, p->wrong_length,
          p->wrong_flags, p->wrong_field, p->unknown_id, p->queue_full);
   printf("             kernel drops %u, error frames %u, sends refused %u, SYNCs lost %u\n",
          b->can.kernel_drops, b->can.error_frames, b->sends_dropped, l->bus_losses);

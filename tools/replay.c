@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "rt/wire/dictionary.h"
+#include "rt/wire/sequence.h"
 
 /* A FORCE is sent in its tick; on a crowded bus it may come after the next SYNC, whose id wins
  * the arbitration. One that comes so many SYNCs later is another tick's. */
@@ -207,18 +208,40 @@ static int line_limit(const reader *r, uint32_t n) {
   return late < r->sync_count ? r->out->ticks[late].sync_line : INT_MAX;
 }
 
-/* The next entry from *at on that is a good POSE of the hand with this counter, skipping up to
- * 15 others, before line `limit`. */
-static int find_pose(const reader *r, uint32_t hand, uint8_t counter, int limit, size_t *at,
-                     fray_pose *pose) {
+/* Where a search for the POSEs of one hand stands. */
+typedef struct {
+  size_t at; /* the next entry */
+  sequence counters;
+} pose_search;
+
+/* The next POSE with this counter, before line `limit`, that a port accepts. */
+static int find_accepted(const reader *r, uint32_t hand, uint8_t counter, int limit,
+                         pose_search *from, fray_pose *pose) {
+  pose_search s = *from;
+  for (; s.at < r->log->count && r->log->entries[s.at].line < limit; ++s.at) {
+    const frame *f = &r->log->entries[s.at].frame;
+    if (codec_decode_pose(f, r->setting->instance, hand, pose) != CODEC_OK) continue;
+    if (sequence_take(&s.counters, pose->counter) != SEQUENCE_NEW) continue;
+    if (pose->counter != counter) continue;
+    s.at += 1;
+    *from = s;
+    return 1;
+  }
+  return 0;
+}
+
+/* The next one at all, for a log whose listener saw another order: skipping up to 15 counters. */
+static int find_any(const reader *r, uint32_t hand, uint8_t counter, int limit,
+                    pose_search *from, fray_pose *pose) {
   uint32_t skipped = 0;
   int last = -1;
-  for (; *at < r->log->count && skipped < 16; ++*at) {
-    const frame *f = &r->log->entries[*at].frame;
-    if (r->log->entries[*at].line >= limit) return 0;
+  for (size_t at = from->at; at < r->log->count && skipped < 16; ++at) {
+    if (r->log->entries[at].line >= limit) return 0;
+    const frame *f = &r->log->entries[at].frame;
     if (codec_decode_pose(f, r->setting->instance, hand, pose) != CODEC_OK) continue;
     if (pose->counter == counter) {
-      *at += 1;
+      from->at = at + 1;
+      sequence_begin(&from->counters, counter);
       return 1;
     }
     skipped += pose->counter != last; /* a port drops repeated ones too */
@@ -230,13 +253,17 @@ static int find_pose(const reader *r, uint32_t hand, uint8_t counter, int limit,
 static int assign_poses(reader *r, uint32_t hand) {
   replay *out = r->out;
   uint8_t consumed = r->setting->consumed[hand];
-  size_t at = 0;
+  pose_search search = {0, {0, 0, 0}};
+  sequence_begin(&search.counters, consumed);
   for (uint32_t n = 0; n < out->count; ++n) {
     replay_tick *tick = &out->ticks[n];
     if (tick->force_line[hand] == 0) continue;
     const uint8_t says = (uint8_t)(tick->force[hand][1] >> 4);
     if (says == consumed) continue;
-    if (!find_pose(r, hand, says, line_limit(r, n), &at, &tick->input.pose[hand])) {
+    fray_pose *pose = &tick->input.pose[hand];
+    const int limit = line_limit(r, n);
+    if (!find_accepted(r, hand, says, limit, &search, pose) &&
+        !find_any(r, hand, says, limit, &search, pose)) {
       return candump_fail(r->error, r->file, tick->force_line[hand], 0,
                           "tick %lu consumed a POSE %s with counter %d, which is not in the log",
                           (unsigned long)(out->first + n), hand_name(hand), says);

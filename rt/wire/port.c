@@ -4,6 +4,8 @@
 #include "rt/base/bytes.h"
 #include "rt/wire/dictionary.h"
 
+enum { LANE_COMMAND = FRAY_HANDS, LANES }; /* the first ones are POSE of a hand */
+
 static void port_count(uint32_t *counter, uint32_t by) {
   *counter = *counter > UINT32_MAX - by ? UINT32_MAX : *counter + by;
 }
@@ -12,27 +14,24 @@ void port_init(port *p, uint32_t instance, uint32_t hands, const uint8_t *consum
   bytes_zero(p, sizeof *p);
   p->instance = (uint8_t)(instance & 7u);
   p->hands = (uint8_t)(hands & 3u);
-  if (consumed == 0) return;
-  for (uint32_t h = 0; h < FRAY_HANDS; ++h) {
-    p->last[h] = consumed[h] & 15u;
-    p->given[h] = consumed[h] & 15u;
-  }
+  for (uint32_t h = 0; h < FRAY_HANDS; ++h)
+    sequence_begin(&p->pose[h], consumed == 0 ? 0 : consumed[h]);
 }
 
-/* PORT_LANES iff the frame is not for this port. */
+/* LANES iff the frame is not for this port. */
 static uint32_t port_lane(const port *p, const frame *f) {
-  if (f->extended || f->error) return PORT_LANES;
+  if (f->extended || f->error) return LANES;
   switch (dictionary_find(f->id, p->instance)) {
-    case MESSAGE_POSE_LEFT: return (p->hands & 1u) != 0 ? 0u : (uint32_t)PORT_LANES;
-    case MESSAGE_POSE_RIGHT: return (p->hands & 2u) != 0 ? 1u : (uint32_t)PORT_LANES;
-    case MESSAGE_COMMAND: return PORT_LANE_COMMAND;
-    default: return PORT_LANES;
+    case MESSAGE_POSE_LEFT: return (p->hands & 1u) != 0 ? 0u : (uint32_t)LANES;
+    case MESSAGE_POSE_RIGHT: return (p->hands & 2u) != 0 ? 1u : (uint32_t)LANES;
+    case MESSAGE_COMMAND: return LANE_COMMAND;
+    default: return LANES;
   }
 }
 
 void port_push(port *p, const frame *f) {
   const uint32_t lane = port_lane(p, f);
-  if (lane == PORT_LANES) {
+  if (lane == LANES) {
     port_count(&p->statistics.unknown_id, 1);
     return;
   }
@@ -52,17 +51,16 @@ void port_push(port *p, const frame *f) {
   bytes_copy(item->data, f->data, sizeof item->data);
 }
 
-/* 1 iff the counter is new; then it is the lane's last. */
-static int port_accept(port *p, uint32_t lane, uint8_t counter) {
-  const int consumed = lane < FRAY_HANDS && counter == p->given[lane];
-  if (counter == p->last[lane] || consumed) {
+/* 1 iff the counter differs from the last one. */
+static int port_accept_command(port *p, uint8_t counter) {
+  const uint32_t ahead = ((uint32_t)counter + 16u - p->command) & 15u;
+  if (ahead == 0) {
     port_count(&p->statistics.repeated, 1);
     return 0;
   }
-  const uint32_t missed = ((uint32_t)counter + 15u - p->last[lane]) & 15u;
-  port_count(&p->statistics.lost, missed);
+  port_count(&p->statistics.lost, ahead - 1);
   port_count(&p->statistics.accepted, 1);
-  p->last[lane] = counter;
+  p->command = counter;
   return 1;
 }
 
@@ -70,48 +68,73 @@ static void port_refuse(port *p, codec_reason reason) {
   port_count(reason == CODEC_CRC ? &p->statistics.wrong_crc : &p->statistics.wrong_field, 1);
 }
 
-/* Looks at one frame; 1 iff it has to wait for the next tick. */
-static int port_read(port *p, const queue_item *item, fray_input *input,
-                     uint32_t poses[FRAY_HANDS]) {
-  const uint32_t lane = item->lane;
-  if (lane == PORT_LANE_COMMAND) {
-    if (input->verb != FRAY_VERB_NONE) return 1;
-    codec_command command;
-    const codec_reason reason = codec_read_command(item->data, p->instance, &command);
-    if (reason != CODEC_OK) {
-      port_refuse(p, reason);
-    } else if (port_accept(p, lane, command.counter)) {
-      input->verb = command.verb;
-      input->verb_counter = command.counter;
-    }
-    return 0;
+/* What one tick has of a hand. */
+typedef struct {
+  uint32_t poses; /* accepted */
+  uint32_t ahead; /* how far they went on from the one consumed before */
+} port_share;
+
+/* One more POSE of the hand; 0 iff it has to wait: of what a tick accepts no two have the same
+ * counter, nor that of the one consumed before. */
+static int port_accept_pose(port *p, uint32_t hand, const fray_pose *pose, port_share *share,
+                            fray_input *input) {
+  sequence after = p->pose[hand];
+  const uint32_t ahead = sequence_ahead(&p->pose[hand], pose->counter);
+  const sequence_result result = sequence_take(&after, pose->counter);
+  if (result == SEQUENCE_NEW) {
+    if (share->ahead + ahead > 15u) return 0;
+    share->ahead += ahead;
+    share->poses += 1;
+    if (ahead <= SEQUENCE_AHEAD) port_count(&p->statistics.lost, ahead - 1);
+    port_count(&p->statistics.accepted, 1);
+    bytes_copy(&input->pose[hand], pose, sizeof *pose);
+    input->has_pose = (uint8_t)(input->has_pose | 1u << hand);
+  } else {
+    port_count(result == SEQUENCE_OLD ? &p->statistics.old : &p->statistics.repeated, 1);
   }
-  if (poses[lane] == PORT_POSES_PER_TICK) return 1;
-  fray_pose pose;
-  const codec_reason reason = codec_read_pose(item->data, p->instance, lane, &pose);
+  p->pose[hand] = after;
+  return 1;
+}
+
+static int port_read_command(port *p, const queue_item *item, fray_input *input) {
+  if (input->verb != FRAY_VERB_NONE) return 0;
+  codec_command command;
+  const codec_reason reason = codec_read_command(item->data, p->instance, &command);
   if (reason != CODEC_OK) {
     port_refuse(p, reason);
-  } else if (port_accept(p, lane, pose.counter)) {
-    bytes_copy(&input->pose[lane], &pose, sizeof pose);
-    input->has_pose = (uint8_t)(input->has_pose | 1u << lane);
-    poses[lane] += 1;
+  } else if (port_accept_command(p, command.counter)) {
+    input->verb = command.verb;
+    input->verb_counter = command.counter;
   }
+  return 1;
+}
+
+static int port_read_pose(port *p, const queue_item *item, port_share *share, fray_input *input) {
+  if (share->poses == PORT_POSES_PER_TICK) return 0;
+  fray_pose pose;
+  const codec_reason reason = codec_read_pose(item->data, p->instance, item->lane, &pose);
+  if (reason != CODEC_OK) {
+    port_refuse(p, reason);
+    return 1;
+  }
+  if (port_accept_pose(p, item->lane, &pose, share, input)) return 1;
+  share->poses = PORT_POSES_PER_TICK; /* the others wait behind it */
   return 0;
 }
 
 void port_take(port *p, fray_input *input) {
   bytes_zero(input, sizeof *input);
-  uint32_t poses[FRAY_HANDS] = {0, 0};
+  port_share shares[FRAY_HANDS] = {{0, 0}, {0, 0}};
   const uint32_t count = p->waiting.count < PORT_FRAMES_PER_TICK ? p->waiting.count
                                                                  : (uint32_t)PORT_FRAMES_PER_TICK;
   for (uint32_t n = 0; n < count; ++n) {
     queue_item *item = queue_at(&p->waiting, n);
-    item->waits = (uint8_t)port_read(p, item, input, poses);
+    const int taken = item->lane == LANE_COMMAND
+                          ? port_read_command(p, item, input)
+                          : port_read_pose(p, item, &shares[item->lane], input);
+    item->waits = (uint8_t)!taken;
   }
   queue_drop(&p->waiting, count);
-  for (uint32_t h = 0; h < FRAY_HANDS; ++h) {
-    if ((input->has_pose & 1u << h) != 0) p->given[h] = input->pose[h].counter;
-  }
 }
 
 void port_sender_init(port_sender *s, uint32_t instance, uint32_t hands, uint32_t rate_hz) {

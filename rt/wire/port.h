@@ -2,10 +2,10 @@
 /* The edge of one instance: frames in, one fray_input a tick out; and the frames of a tick's
  * outputs. Nothing here is part of the world: what is refused is counted and forgotten.
  *
- * A POSE is accepted iff its E2E check passes and its counter differs from the last accepted one
- * and from the last one that a tick consumed; so a FORCE whose `consumed` changed names exactly
- * one POSE, and a log of the bus says which tick consumed what. Of the poses accepted for one
- * tick the newest is given. Counters start at 0: a device's first POSE has counter 1.
+ * A POSE is accepted iff its E2E check passes and its counter is new (rt/wire/sequence.h); so a
+ * FORCE whose `consumed` changed names exactly one POSE, and a log of the bus says which tick
+ * consumed what. Of the poses accepted for one tick the newest is given. A COMMAND is accepted iff
+ * its counter differs from the last accepted one: operators come and go, and each is answered.
  *
  * Threads: one port belongs to one thread or interrupt level at a time. */
 #ifndef FRAY_WIRE_PORT_H
@@ -16,6 +16,7 @@
 #include "rt/fray.h"
 #include "rt/wire/codec.h"
 #include "rt/wire/queue.h"
+#include "rt/wire/sequence.h"
 
 enum {
   PORT_FRAMES_PER_TICK = 64, /* looked at in one port_take() */
@@ -26,7 +27,8 @@ enum {
 /* All saturate. */
 typedef struct {
   uint32_t accepted;     /* POSE and COMMAND */
-  uint32_t repeated;     /* dropped: the counter of one that was accepted or consumed before */
+  uint32_t repeated;     /* dropped: the counter of the last one accepted */
+  uint32_t old;          /* dropped: a POSE that came too late */
   uint32_t lost;         /* skipped counters */
   uint32_t wrong_crc;
   uint32_t wrong_length;
@@ -36,13 +38,11 @@ typedef struct {
   uint32_t queue_full;   /* dropped: nobody took the frames before */
 } port_statistics;
 
-enum { PORT_LANE_COMMAND = FRAY_HANDS, PORT_LANES };
-
 typedef struct {
   uint8_t instance;
-  uint8_t hands;               /* bit h: hand h is in use */
-  uint8_t last[PORT_LANES];    /* counter of the last one accepted, by lane */
-  uint8_t given[FRAY_HANDS];   /* counter of the last POSE given to a tick */
+  uint8_t hands;         /* bit h: hand h is in use */
+  uint8_t command;       /* counter of the last COMMAND accepted */
+  sequence pose[FRAY_HANDS];
   queue waiting;
   port_statistics statistics;
 } port;
@@ -55,8 +55,9 @@ void port_init(port *p, uint32_t instance, uint32_t hands, const uint8_t *consum
 /* Takes a frame from the bus. Cost: constant. */
 void port_push(port *p, const frame *f);
 
-/* The input of the next tick. What does not fit (a second COMMAND, a ninth POSE of a hand,
- * anything after 64 frames) waits for the next tick, in its order.
+/* The input of the next tick. What does not fit (a second COMMAND; a ninth POSE of a hand, or one
+ * more than 15 counters ahead of the one consumed before; anything after 64 frames) waits for the
+ * next tick, in its order.
  * Cost: at most 64 frames. */
 void port_take(port *p, fray_input *input);
 

@@ -283,13 +283,14 @@ test_trouble() {
   session trouble tear 750 --drop 50 --repeat 50 --reorder 30 --corrupt 50 --seed 5
   poses=$(sed -n 's/.*: \([0-9]*\) SYNCs.*/\1/p' "$work/trouble.hand.out")
   poses=$((poses * 2))
-  figure "trouble: of $poses poses 5 % dropped, 5 % repeated, 3 % swapped, 5 % damaged: accepted $(count_of trouble accepted), repeated $(count_of trouble repeated), lost $(count_of trouble lost), wrong CRC $(count_of trouble 'wrong CRC')"
+  figure "trouble: of $poses poses 5 % dropped, 5 % repeated, 3 % swapped, 5 % damaged: accepted $(count_of trouble accepted), repeated $(count_of trouble repeated), old $(count_of trouble old), lost $(count_of trouble lost), wrong CRC $(count_of trouble 'wrong CRC')"
   holds "trouble: candump's log verifies" verifies trouble "$work/trouble.can"
   holds "trouble: fray's own log verifies" verifies trouble "$work/trouble.own"
-  # one in 20 of what is not dropped, half to twice of it; a swap looks as if 16 were lost
+  # half to twice of what was asked; of a swapped pair one is lost and then old
   holds "trouble: wrong CRC" between "$(count_of trouble 'wrong CRC')" $((poses / 40)) $((poses / 10))
   holds "trouble: repeated" between "$(count_of trouble repeated)" $((poses / 40)) $((poses / 10))
-  holds "trouble: lost" between "$(count_of trouble lost)" $((poses / 5)) $((poses * 6 / 5))
+  holds "trouble: old" between "$(count_of trouble old)" $((poses * 3 / 200)) $((poses * 6 / 100))
+  holds "trouble: lost" between "$(count_of trouble lost)" $((poses * 13 / 200)) $((poses * 26 / 100))
 }
 
 # ---- 8: the interface goes and comes back; then SIGTERM

@@ -29,7 +29,7 @@ static void flood(uint32_t count) {
 }
 
 static uint32_t looked_at(const port_statistics *p) {
-  return p->accepted + p->repeated + p->wrong_crc + p->wrong_field;
+  return p->accepted + p->repeated + p->old + p->wrong_crc + p->wrong_field;
 }
 
 typedef struct {

@@ -48,7 +48,7 @@ static void newest_pose_wins(void) {
   CHECK_EQ_INT(p.statistics.lost, 0);
 }
 
-static void sequence(void) {
+static void repeated_lost_and_old(void) {
   fray_input input;
   port_init(&p, 0, 1, NULL);
   push_pose(0, 0, 10); /* a port has seen 0 */
@@ -60,24 +60,49 @@ static void sequence(void) {
   CHECK_EQ_INT(p.statistics.repeated, 2);
   CHECK_EQ_INT(p.statistics.lost, 2);
   CHECK_EQ_INT(p.statistics.accepted, 2);
-  push_pose(0, 15, 25);
-  push_pose(0, 0, 26);
+  push_pose(0, 3, 23); /* overtaken by 4 */
+  push_pose(0, 12, 32);
   port_take(&p, &input);
-  CHECK_EQ_INT(input.pose[0].x, 26);
-  CHECK_EQ_INT(p.statistics.lost, 12);
+  CHECK_EQ_INT(input.pose[0].x, 32);
+  CHECK_EQ_INT(p.statistics.old, 1);
+  CHECK_EQ_INT(p.statistics.lost, 9);
 }
 
-/* 5 is consumed, then 9 and another 5 come: FORCE could not tell the second 5 from the first. */
+/* 5 is consumed, then 13 and another 5 come: FORCE could not tell the second 5 from the first. */
 static void consumed_counter_does_not_return_at_once(void) {
   fray_input input;
   port_init(&p, 0, 1, NULL);
   push_pose(0, 5, 1);
   port_take(&p, &input);
-  push_pose(0, 9, 2);
+  push_pose(0, 13, 2);
   push_pose(0, 5, 3);
   port_take(&p, &input);
-  CHECK_EQ_INT(input.pose[0].counter, 9);
-  CHECK_EQ_INT(p.statistics.repeated, 1);
+  CHECK_EQ_INT(input.pose[0].counter, 13);
+  port_take(&p, &input);
+  CHECK_EQ_INT(input.pose[0].x, 3);
+  CHECK_EQ_INT(p.statistics.old, 0);
+}
+
+/* 14 is 9 ahead of 5. */
+static void a_device_that_begins_anew(void) {
+  fray_input input;
+  port_init(&p, 0, 1, NULL);
+  push_pose(0, 5, 1);
+  port_take(&p, &input);
+  for (uint8_t counter = 14; counter < 16; ++counter) {
+    push_pose(0, counter, 2);
+    port_take(&p, &input);
+    CHECK_EQ_INT(input.has_pose, 0);
+  }
+  push_pose(0, 14, 3); /* not the next one: begins anew */
+  push_pose(0, 15, 4);
+  port_take(&p, &input);
+  CHECK_EQ_INT(input.has_pose, 0);
+  push_pose(0, 0, 5);
+  port_take(&p, &input);
+  CHECK_EQ_INT(input.pose[0].x, 5);
+  CHECK_EQ_INT(p.statistics.old, 4);
+  CHECK_EQ_INT(p.statistics.lost, 4);
 }
 
 static void goes_on_after_a_save(void) {
@@ -272,8 +297,9 @@ static void status_when_due(void) {
 int main(void) {
   TEST(one_pose_a_hand);
   TEST(newest_pose_wins);
-  TEST(sequence);
+  TEST(repeated_lost_and_old);
   TEST(consumed_counter_does_not_return_at_once);
+  TEST(a_device_that_begins_anew);
   TEST(goes_on_after_a_save);
   TEST(one_command_a_tick);
   TEST(eight_poses_a_tick);
