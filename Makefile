@@ -26,7 +26,7 @@ SIM_O := $(BUILD)/tests/sim/sim_board.o
 FAULT_O := $(patsubst %,$(BUILD)/faults/platform/linux/%.o,board bus_log can_socket timer)
 IMAGE_16 := $(BUILD)/id16/tests/unit/test_image
 
-.PHONY: all help run test clean san san-integer checked golden golden-update fuzz tidy size bench force bus-test bus-test-qemu
+.PHONY: all help run test clean san san-integer checked golden golden-update fuzz tidy size bench force bus-test bus-test-qemu can-test
 all: $(FRAY) ## build the `fray` command
 
 help: ## list the targets
@@ -108,6 +108,9 @@ bus-test: $(FRAY) $(BUILD)/tests/bus/bare_timer ## live sessions on vcan, on the
 
 bus-test-qemu: $(FRAY) ## the same bus on two emulated controllers, and on vcan with unpinned queues
 	@FRAY=$(FRAY) BUILD=$(BUILD) sh tests/bus/run.sh qemu
+
+can-test: $(FRAY) $(HELPERS) ## the bare-metal CAN port in sessions on an emulated ZCU102
+	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) sh tests/target/zcu102.sh
 
 tidy: ## arrows between folders, sizes of files and functions, licences, cppcheck
 	@BUILD=$(BUILD) sh tests/tidy.sh

@@ -1,0 +1,245 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# zcu102.sh: whole sessions on two emulated CAN controllers. The runtime is bare metal on CAN 0 of a
+# ZCU102 in QEMU, a scripted device on CAN 1 records the bus; `fray verify` holds every recording
+# against the same image on the host. The counter of the emulated core advances one nanosecond an
+# instruction, so a run is the same each time.
+. tests/lib/suite.sh
+
+work=$FRAY_BUILD/target/zcu102
+here=tests/target/zcu102
+elf=$work/session.elf
+mkdir -p "$work"
+
+if ! have aarch64-linux-gnu-gcc || ! have qemu-system-aarch64; then
+  not_run "CAN sessions on a ZCU102" "gcc-aarch64-linux-gnu and qemu-system-arm"
+  suite_end
+  exit
+fi
+
+target_flags="-std=c11 -O2 -g -I. -Wall -Wextra -Wconversion -Wshadow -Wundef -Werror -ffreestanding
+  -mcpu=cortex-a53 -mgeneral-regs-only -mstrict-align -fno-pic -fno-pie -fno-stack-protector
+  -fno-asynchronous-unwind-tables -fno-tree-loop-distribute-patterns -ffunction-sections -fdata-sections"
+
+build() {
+  suite_make BUILD="$FRAY_BUILD" "$FRAY_BUILD/tests/cross/emit" "$FRAY_BUILD/tests/cli/alter"
+  "$FRAY" scene $here/session.scene -o "$work/session.img" >/dev/null
+  "$FRAY" hand -o "$work/script.log" $here/session.hand
+  "$FRAY_BUILD/tests/cross/emit" session "$work/session.img" "$work/script.log" 800 >"$work/cases.c"
+  # shellcheck disable=SC2086
+  aarch64-linux-gnu-gcc $target_flags -nostdlib -static -no-pie -Wl,--gc-sections -Wl,--build-id=none \
+    -Wl,-Map="$work/session.map" -T linker/zcu102.ld rt/*/*.c platform/loop.c platform/zcu102/*.c \
+    platform/zcu102/start.S $here/*.c "$work/cases.c" -lgcc -o "$elf"
+}
+
+# NAME PLAN [MACHINE_OPTION [QEMU_OPTION...]]: $work/NAME.out has the facts, NAME.can the bus; sets $status
+run() {
+  name=$1 plan=$2 machine=${3:-}
+  shift 2
+  if [ $# -gt 0 ]; then shift; fi
+  status=0
+  QEMU_AUDIO_DRV=none timeout 300 qemu-system-aarch64 -M "xlnx-zcu102,canbus0=bus,canbus1=bus$machine" \
+    -object can-bus,id=bus -m 256M -display none -monitor none -serial "file:$work/$name.uart" "$@" \
+    -d guest_errors -D "$work/$name.errors" \
+    -semihosting-config enable=on,target=native,arg="$plan" -kernel "$elf" \
+    >"$work/$name.qemu" 2>&1 </dev/null || status=$?
+  grep '^(' "$work/$name.uart" >"$work/$name.can" || true
+  grep -v '^(' "$work/$name.uart" >"$work/$name.out" || true
+}
+exact="-icount shift=0,sleep=off"
+
+of() { awk -v key="$2" '$1 == key { print $2 }' "$work/$1.out"; } # NAME KEY
+is() { # NAME KEY VALUE
+  found=$(of "$1" "$2")
+  if [ "$found" = "$3" ]; then pass; else fail "$1: $2 is '$found', expected $3"; fi
+}
+from_to() { # NAME KEY LEAST MOST
+  found=$(of "$1" "$2")
+  if [ -n "$found" ] && [ "$found" -ge "$3" ] && [ "$found" -le "$4" ]; then
+    pass
+  else
+    fail "$1: $2 is '$found', expected $3 to $4"
+  fi
+}
+has() { # NAME PATTERN WHAT: a frame of the bus
+  if grep -Eq " can1 $2\$" "$work/$1.can"; then pass; else fail "$1: no $3 on the bus"; fi
+}
+# The host computes the same hash after every tick, from the image and what the bus carried.
+verifies() { # NAME
+  if [ "$status" -ne 0 ]; then fail "$1: exit $status: $(tail -n 3 "$work/$1.qemu")"; fi
+  said=$("$FRAY" verify "$work/$1.can" --scene "$work/session.img" 2>&1) || true
+  hash=$(of "$1" hash | tr A-F a-f)
+  if [ "$said" = "verified $(of "$1" ticks) ticks, hash $hash" ]; then
+    pass
+  else
+    fail "$1: the target's hash is $hash; verify: $said"
+  fi
+}
+# Nothing that no plan asks for; and no use of the controllers that QEMU has a complaint about.
+clean() { # NAME
+  if grep -i can "$work/$1.errors"; then fail "$1: the controllers are used wrongly"; else pass; fi
+  for key in bad gaps dropped unexpected; do is "$1" $key 0; done
+}
+in_time() { for key in overruns losses off_tick zeroed; do is "$1" $key 0; done; } # NAME
+
+# Of a recording: from the first SYNC to the last; SYNCs that are not 1000 us after the one before, microseconds from SYNC to FORCE at
+# most and in the middle, frames a tick at most.
+timing() { # NAME
+  awk '
+    { gsub(/[().]/, "", $1); us = $1 + 0; split($3, part, "#") }
+    part[1] == "080" { if (n++ == 0) first = us; else { off += us - sync != 1000; if (frames > most) most = frames } sync = us; frames = 0 }
+    { ++frames }
+    part[1] == "182" { took[us - sync]++; ++forces; if (us - sync > worst) worst = us - sync }
+    END { for (t = 0; t <= worst; ++t) { seen += took[t]; if (seen * 2 >= forces) break }
+          printf "span_ms %d\noff_grid %d\nworst %d\nmedian %d\nframes %d\n", (sync - first + 500) / 1000, off, worst, t, most }' "$work/$1.can" >>"$work/$1.out"
+}
+
+figure() { printf '  %-8s %s\n' "$1" "$2"; }
+
+test_session() {
+  # shellcheck disable=SC2086
+  run session session "" $exact
+  verifies session
+  clean session
+  in_time session
+  timing session
+  is session off_grid 0
+  is session ticks 800
+  is session accepted 1601 # two poses in all ticks but the first, three COMMANDs
+  is session operational 17 # sixteen good poses, the first in the second tick
+  is session state 2
+  is session overflows 0
+  from_to session force 18 60
+  from_to session peak 20 6000
+  from_to session cuts 1 400
+  has session '200#01.*' TEAR
+  has session '011#....010003000000' "ACK of START"
+  figure session "$(of session ticks) ticks, $(of session cuts) springs cut, peak force $(of session peak) x 0.5 mN; SYNC to FORCE median $(of session median) us, worst $(of session worst) us at 1 ns an instruction; $(of session frames) frames a tick at most; stack $(of session stack) of $(of session stack_bytes) bytes"
+}
+
+# The first entry into EL1 from each of the levels that a loader may leave us in.
+test_levels() {
+  for level in virtualization secure; do
+    # shellcheck disable=SC2086
+    run $level session ,$level=on $exact
+    verifies $level
+    in_time $level
+    if cmp -s "$work/session.can" "$work/$level.can"; then
+      pass
+    else
+      is $level hash "$(of session hash)"
+    fi
+  done
+}
+
+# 16 ns an instruction: no tick is done in time, each is counted, none is computed twice or left out.
+test_slow() {
+  run slow session "" -icount shift=4,sleep=off
+  verifies slow
+  clean slow
+  is slow hash "$(of session hash)"
+  is slow off_tick 0
+  timing slow
+  # a period is a tick or a miss, and nothing is caught up; ticks that miss begin late, by one at most
+  from_to slow overruns $(($(of slow span_ms) - 801)) $(($(of slow span_ms) - 798))
+  has slow '701#02......[^0].......' "STATUS with overruns"
+  figure slow "$(of slow ticks) ticks at 62.5 MHz and an instruction a cycle, $(of slow overruns) missed, the same hash"
+}
+
+# In the time of the host, which is no time to hold anybody to.
+test_host_time() {
+  run host session
+  verifies host
+  figure host "in the host's time: $(of host overruns) ticks missed, $(of host losses) SYNCs lost"
+}
+
+test_silent() {
+  # shellcheck disable=SC2086
+  run silent silent "" $exact
+  verifies silent
+  clean silent
+  in_time silent
+  is silent safe 334 # SYNC 330 has no answer; the third tick without a pose latches
+  from_to silent quiet 335 344 # ten ticks of fading
+  has silent '701#03..0300........' "STATUS SAFE, stale"
+  from_to silent again 460 520
+  figure silent "SAFE in tick $(($(of silent safe) - 1)), no force from tick $(($(of silent quiet) - 1)) on; OPERATIONAL again in tick $(($(of silent again) - 1))"
+}
+
+# The SYNC stands in the controller; no tick is computed; HALT once it is through.
+test_off() {
+  for plan in off late; do
+    # shellcheck disable=SC2086
+    run $plan $plan "" $exact
+    verifies $plan
+    clean $plan
+    is $plan losses 10
+    is $plan safe 331
+    is $plan quiet 0 # not one tick of force in SAFE
+    is $plan zeroed 1
+    from_to $plan zeroed_us 3000 3250
+    has $plan '010#....0500........' "COMMAND HALT"
+    has $plan '701#03..2000........' "STATUS SAFE, halted"
+    from_to $plan again 450 520
+  done
+  is off late 0
+  is off syncs 600
+  is late late 1
+  is late syncs 601
+  figure off "$(of off losses) SYNCs of 2 ms lost, no tick in them; the device drops its force after $(of off zeroed_us) us; HALT, SAFE in tick $(($(of off safe) - 1))"
+}
+
+test_flood() {
+  # shellcheck disable=SC2086
+  run flood flood "" $exact
+  verifies flood
+  clean flood
+  in_time flood
+  is flood drained 64
+  is flood wrong_crc 64
+  is flood safe 0
+  from_to flood overflows 1 16
+  figure flood "80 frames before a SYNC: $(of flood drained) read, overflow seen $(of flood overflows) time(s)"
+}
+
+test_guards() {
+  run stack stack
+  if [ "$status" -eq 99 ] && grep -q 'fault 4 esr 9600004[0-9A-F] .*address 0000000000180' "$work/stack.out"; then
+    pass
+  else
+    fail "stack: exit $status: $(cat "$work/stack.out")"
+  fi
+  run flash flash
+  if [ "$status" -eq 99 ] && grep -q '^fault 4 esr 9600004F' "$work/flash.out"; then
+    pass
+  else
+    fail "flash: exit $status: $(cat "$work/flash.out")"
+  fi
+}
+
+# One bit of one pose of what the bus carried: it must not pass.
+test_refused() {
+  "$FRAY_BUILD/tests/cli/alter" pose "$work/session.can" 300 0 1 >"$work/altered.can"
+  if said=$("$FRAY" verify "$work/altered.can" --scene "$work/session.img" 2>&1); then
+    fail "one bit of a pose changed: $said"
+  else
+    pass
+  fi
+}
+
+if ! build; then
+  fail "sessions on a ZCU102: it does not build"
+  suite_end
+  exit
+fi
+test_session
+test_levels
+test_slow
+test_host_time
+test_silent
+test_off
+test_flood
+test_guards
+test_refused
+figure code "$(aarch64-linux-gnu-size -A "$elf" | awk '/^\.(text|rodata|stack|bss) / { printf "%s %d  ", $1, $2 }')"
+suite_end

@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A session over the two controllers of the board: the runtime on CAN 0, the device on CAN 1. The
+ * first word that the program is started with names what goes wrong. Prints `key value` lines, then
+ * the log of the bus. */
+#include "platform/loop.h"
+#include "platform/zcu102/board.h"
+#include "platform/zcu102/can.h"
+#include "platform/zcu102/console.h"
+#include "platform/zcu102/semihost.h"
+#include "tests/cross/cases.h"
+#include "tests/target/zcu102/device.h"
+#include "tests/target/zcu102/recorder.h"
+
+enum { WORLD_BYTES = 64 * 1024, WORD = 32, ATTEMPTS = 10000, LATE_LOSSES = 10 };
+
+static const device_plan plans[] = {
+    {"session", 800, 0, 0, 0, 0, 0},
+    {"silent", 600, 330, 40, 0, 0, 0},
+    {"flood", 500, 0, 0, 330, 0, 0},
+    {"off", 600, 0, 0, 0, 330, 21300},
+    {"late", 600, 0, 0, 0, 330, 0},
+    {"stack", 0, 0, 0, 0, 0, 0},
+    {"flash", 0, 0, 0, 0, 0, 0},
+};
+
+static _Alignas(FRAY_ALIGN) uint8_t memory[WORLD_BYTES];
+static loop runtime;
+
+/* Ticks are counted from 1 here: 0 is never. */
+static struct {
+  uint32_t operational, safe, force, quiet; /* the first; quiet: after the last force */
+  uint32_t again;                           /* OPERATIONAL once more, after SAFE */
+  uint32_t peak;
+} seen;
+
+static int same_word(const char *a, const char *b) {
+  while (*a != 0 && *a == *b) ++a, ++b;
+  return *a == *b;
+}
+
+static const device_plan *find_plan(void) {
+  char word[WORD];
+  semihost_arguments(word, sizeof word);
+  for (uint32_t n = 0; n < sizeof plans / sizeof plans[0]; ++n)
+    if (same_word(word, plans[n].name)) return &plans[n];
+  return 0;
+}
+
+static uint32_t largest_force(const fray_output *o) {
+  uint32_t most = 0;
+  for (uint32_t h = 0; h < FRAY_HANDS; ++h)
+    for (uint32_t n = 0; n < 3; ++n) {
+      const int32_t v = o->force[h][n];
+      const uint32_t size = (uint32_t)(v < 0 ? -v : v);
+      if (size > most) most = size;
+    }
+  return most;
+}
+
+static void look(const fray_output *o) {
+  const uint32_t tick = o->tick + 1u;
+  const uint32_t force = largest_force(o);
+  if (o->state == FRAY_OPERATIONAL && seen.operational == 0) seen.operational = tick;
+  if (o->state == FRAY_OPERATIONAL && seen.safe != 0 && seen.again == 0) seen.again = tick;
+  if (o->state == FRAY_SAFE && seen.safe == 0) seen.safe = tick;
+  if (o->state == FRAY_SAFE && force != 0) seen.quiet = tick + 1u;
+  if (force != 0 && seen.force == 0) seen.force = tick;
+  if (force > seen.peak) seen.peak = force;
+}
+
+static void print(const char *key, uint64_t value) {
+  platform_print(key);
+  platform_print(" ");
+  console_number(value, 1);
+  platform_print("\n");
+}
+
+static void print_runtime(void) {
+  print("ticks", runtime.tick);
+  print("cuts", runtime.output.cuts_total);
+  print("faults", runtime.output.faults);
+  print("state", runtime.output.state);
+  print("operational", seen.operational);
+  print("force", seen.force);
+  print("peak", seen.peak);
+  print("safe", seen.safe);
+  print("quiet", seen.quiet);
+  print("again", seen.again);
+  print("overruns", runtime.overruns);
+  print("losses", runtime.bus_losses);
+  print("accepted", runtime.in.statistics.accepted);
+  print("wrong_crc", runtime.in.statistics.wrong_crc);
+}
+
+static void print_board(void) {
+  print("worst_us", zcu102_board.grid.worst_us);
+  print("overflows", zcu102_board.overflows);
+  print("dropped", zcu102_board.sends_dropped);
+  print("late", zcu102_board.late);
+  print("drained", zcu102_board.drained_most);
+  print("stack", board_stack_used());
+  print("stack_bytes", board_stack_bytes());
+  print("unexpected", zcu102_board.unexpected);
+  print("syncs", device_felt.syncs);
+  print("forces", device_felt.forces);
+  print("bad", device_felt.bad);
+  print("gaps", device_felt.gaps);
+  print("off_tick", device_felt.off_tick);
+  print("zeroed", device_felt.zeroed);
+  print("zeroed_us", device_felt.zeroed_us);
+}
+
+static int open_world(fray_world **world) {
+  const cross_case *c = &cross_cases[0];
+  fray_error error;
+  if (fray_open(c->image, c->image_bytes, memory, sizeof memory, world, &error) == FRAY_OK) return 1;
+  platform_print("refused: ");
+  platform_print(error.what);
+  platform_print("\n");
+  return 0;
+}
+
+static int run(const device_plan *plan) {
+  fray_world *world;
+  if (!open_world(&world)) return 1;
+  loop_begin(&runtime, world, 0);
+  device_begin(plan, cross_cases[0].inputs, cross_cases[0].input_count);
+  board_open(0, fray_describe(world).rate_hz);
+  for (uint32_t n = 0; n < ATTEMPTS && runtime.tick < plan->ticks; ++n) {
+    if (loop_run(&runtime) == LOOP_TICKED) look(&runtime.output);
+    /* between two tries of a SYNC: it goes out while nobody waits for it */
+    if (plan->off_us == 0 && runtime.bus_losses == LATE_LOSSES) can_join(CAN0_BASE);
+  }
+  zcu102_board.stopping = 1;
+  const int stopped = loop_run(&runtime) == LOOP_STOPPED;
+  print_runtime();
+  print_board();
+  platform_print("hash ");
+  console_hex(runtime.output.hash, 16);
+  platform_print("\n");
+  return recorder_print() && stopped ? 0 : 1;
+}
+
+static uint32_t dig(volatile uint32_t depth) { return depth == 0 ? 0 : dig(depth - 1u) + depth; }
+
+int main(void) {
+  const device_plan *plan = find_plan();
+  if (plan == 0) {
+    platform_print("expected one word, the name of a plan\n");
+    return 2;
+  }
+  if (same_word(plan->name, "stack")) return (int)dig(1u << 20);
+  if (same_word(plan->name, "flash")) {
+    *(volatile uint8_t *)(uintptr_t)cross_cases[0].image = 0;
+    return 1;
+  }
+  return run(plan);
+}
