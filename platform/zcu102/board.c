@@ -37,8 +37,8 @@ void board_open(uint32_t instance, uint32_t rate_hz) {
   timer_begin(&zcu102_board.grid, rate_hz);
 }
 
-/* The tick boundary. The next frame of the bus ends 47 bits after the SYNC at the earliest, a POSE or
- * COMMAND 111: what is read in less than 47 us from then on came before. */
+/* The tick boundary. The next frame of the bus ends 47 bits after the SYNC at the earliest, a POSE
+ * or COMMAND 111: what is read in less than 47 us from then on came before. */
 static void confirm(void) {
   latch.outstanding = 0;
   if (!latch.awaited) {
@@ -125,7 +125,9 @@ uint32_t board_stack_used(void) {
   while ((uintptr_t)at < (uintptr_t)stack_top && *at == paint) ++at;
   return (uint32_t)((uintptr_t)stack_top - (uintptr_t)at);
 }
-uint32_t board_stack_bytes(void) { return (uint32_t)((uintptr_t)stack_top - (uintptr_t)stack_last); }
+uint32_t board_stack_bytes(void) {
+  return (uint32_t)((uintptr_t)stack_top - (uintptr_t)stack_last);
+}
 
 void board_main(void) {
   mmu_begin();

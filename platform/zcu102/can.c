@@ -95,7 +95,8 @@ static void write_message(uintptr_t base, uint32_t offset, const frame *f) {
 /* SR says it on the part; QEMU has it in ISR only. */
 int can_send(uintptr_t base, const frame *f) {
   device_write(base, ICR, CAN_TXFLL);
-  if ((device_read(base, SR) & SR_TXFLL) != 0 || (device_read(base, ISR) & CAN_TXFLL) != 0) return 0;
+  if ((device_read(base, SR) & SR_TXFLL) != 0) return 0;
+  if ((device_read(base, ISR) & CAN_TXFLL) != 0) return 0;
   write_message(base, TXFIFO_ID, f);
   return 1;
 }

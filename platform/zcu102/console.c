@@ -37,7 +37,8 @@ void console_number(uint64_t v, uint32_t digits) {
 
 void console_hex(uint64_t v, uint32_t digits) {
   char text[17];
-  for (uint32_t n = 0; n < digits; ++n) text[n] = "0123456789ABCDEF"[v >> 4u * (digits - 1u - n) & 15u];
+  for (uint32_t n = 0; n < digits; ++n)
+    text[n] = "0123456789ABCDEF"[v >> 4u * (digits - 1u - n) & 15u];
   text[digits] = 0;
   platform_print(text);
 }

@@ -14,8 +14,12 @@
 #define CPU_WRITE(name, value) \
   __asm__ volatile("msr " #name ", %0\n isb" ::"r"((uint64_t)(value)) : "memory")
 
-static inline void cpu_mask_interrupts(void) { __asm__ volatile("msr daifset, #2" ::: "memory"); }
-static inline void cpu_allow_interrupts(void) { __asm__ volatile("msr daifclr, #2\n isb" ::: "memory"); }
+static inline void cpu_mask_interrupts(void) {
+  __asm__ volatile("msr daifset, #2" ::: "memory");
+}
+static inline void cpu_allow_interrupts(void) {
+  __asm__ volatile("msr daifclr, #2\n isb" ::: "memory");
+}
 
 /* Returns when an interrupt is pending, masked or not. */
 static inline void cpu_sleep(void) { __asm__ volatile("dsb sy\n wfi" ::: "memory"); }

@@ -12,7 +12,8 @@ enum { LINES = 192 };
 
 void gic_begin(void) {
   device_write(distributor, GICD_CTLR, 0);
-  for (uint32_t n = 0; n < LINES / 32; ++n) device_write(distributor, GICD_ICENABLER + 4 * n, 0xFFFFFFFFu);
+  for (uint32_t n = 0; n < LINES / 32; ++n)
+    device_write(distributor, GICD_ICENABLER + 4 * n, 0xFFFFFFFFu);
   device_write(core, GICC_PMR, 0xF8);
   device_write(core, GICC_CTLR, 1);
   device_write(distributor, GICD_CTLR, 1);

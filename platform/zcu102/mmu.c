@@ -32,7 +32,8 @@ static void fill_tables(void) {
   map_pages(rodata_first, rodata_last, MMU_NORMAL | MMU_READ_ONLY | MMU_NO_CODE);
   map_pages(stack_last, ram_last, MMU_NORMAL | MMU_NO_CODE);
   level2[0] = (uintptr_t)level3 | MMU_TABLE;
-  for (uint64_t n = 1; n < ENTRIES; ++n) level2[n] = n * BLOCK | MMU_NORMAL | MMU_NO_CODE | MMU_BLOCK;
+  for (uint64_t n = 1; n < ENTRIES; ++n)
+    level2[n] = n * BLOCK | MMU_NORMAL | MMU_NO_CODE | MMU_BLOCK;
   level1[0] = (uintptr_t)level2 | MMU_TABLE;
   level1[3] = 0xC0000000ull | MMU_DEVICE | MMU_NO_CODE | MMU_BLOCK;
 }

@@ -16,7 +16,7 @@ reset_entry:
   b.lt in_el1
 
 from_el3:
-  mrs x0, S3_1_C15_C2_1     /* CPUECTLR.SMPEN: before any cache is on; a loader below EL3 has set it */
+  mrs x0, S3_1_C15_C2_1     /* CPUECTLR.SMPEN, before any cache is on; below EL3 a loader did it */
   orr x0, x0, #(1 << 6)
   msr S3_1_C15_C2_1, x0
   mov x0, #0xC30            /* SCR: EL1 is AArch64, may use the secure timer; secure; RES1 bits */

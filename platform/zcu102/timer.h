@@ -24,7 +24,8 @@ void timer_interrupt(void);
 
 void timer_begin(timer_grid *g, uint32_t rate_hz);
 
-/* Sleeps to the next tick; returns how many were missed before it: they are skipped, the grid stays. */
+/* Sleeps to the next tick; returns how many were missed before it: they are skipped, the grid
+ * stays. */
 int32_t timer_wait(timer_grid *g);
 
 #endif

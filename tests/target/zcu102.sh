@@ -3,12 +3,13 @@
 # zcu102.sh: whole sessions on two emulated CAN controllers. The runtime is bare metal on CAN 0 of a
 # ZCU102 in QEMU, a scripted device on CAN 1 records the bus; `fray verify` holds every recording
 # against the same image on the host. The counter of the emulated core advances one nanosecond an
-# instruction, so a run is the same each time.
+# instruction, so a run is the same each time. A second program has a bus with bits and acknowledges.
 . tests/lib/suite.sh
 
 work=$FRAY_BUILD/target/zcu102
 here=tests/target/zcu102
 elf=$work/session.elf
+model=$work/model.elf
 mkdir -p "$work"
 
 if ! have aarch64-linux-gnu-gcc || ! have qemu-system-aarch64; then
@@ -26,10 +27,22 @@ build() {
   "$FRAY" scene $here/session.scene -o "$work/session.img" >/dev/null
   "$FRAY" hand -o "$work/script.log" $here/session.hand
   "$FRAY_BUILD/tests/cross/emit" session "$work/session.img" "$work/script.log" 800 >"$work/cases.c"
-  # shellcheck disable=SC2086
+  link "$elf" platform/zcu102/can.c $here/wire_qemu.c
+  link "$model" $here/wire_model.c
+}
+
+common() {
+  for file in platform/zcu102/*.c $here/*.c; do
+    case $file in */can.c | */wire_*) ;; *) echo "$file" ;; esac
+  done
+}
+link() { # OUT FILE...: with everything that does not depend on the bus
+  out=$1
+  shift
+  # shellcheck disable=SC2046,SC2086
   aarch64-linux-gnu-gcc $target_flags -nostdlib -static -no-pie -Wl,--gc-sections -Wl,--build-id=none \
-    -Wl,-Map="$work/session.map" -T linker/zcu102.ld rt/*/*.c platform/loop.c platform/zcu102/*.c \
-    platform/zcu102/start.S $here/*.c "$work/cases.c" -lgcc -o "$elf"
+    -Wl,-Map="$out.map" -T linker/zcu102.ld rt/*/*.c platform/loop.c platform/zcu102/start.S \
+    $(common) "$work/cases.c" "$@" -lgcc -o "$out"
 }
 
 # NAME PLAN [MACHINE_OPTION [QEMU_OPTION...]]: $work/NAME.out has the facts, NAME.can the bus; sets $status
@@ -66,7 +79,7 @@ has() { # NAME PATTERN WHAT: a frame of the bus
 }
 # The host computes the same hash after every tick, from the image and what the bus carried.
 verifies() { # NAME
-  if [ "$status" -ne 0 ]; then fail "$1: exit $status: $(tail -n 3 "$work/$1.qemu")"; fi
+  if [ "$status" -ne 0 ]; then fail "$1: exit $status: $(grep -v module "$work/$1.qemu" | tail -n 3)"; fi
   said=$("$FRAY" verify "$work/$1.can" --scene "$work/session.img" 2>&1) || true
   hash=$(of "$1" hash | tr A-F a-f)
   if [ "$said" = "verified $(of "$1" ticks) ticks, hash $hash" ]; then
@@ -202,6 +215,40 @@ test_flood() {
   figure flood "80 frames before a SYNC: $(of flood drained) read, overflow seen $(of flood overflows) time(s)"
 }
 
+test_full() {
+  run full full
+  is full sent 64
+  is full dropped 16
+  is full again 1
+}
+
+# The same program on a bus that takes its time and needs an acknowledge.
+test_model() {
+  qemu_elf=$elf elf=$model
+  # shellcheck disable=SC2086
+  run paced session "" $exact
+  timing paced
+  # shellcheck disable=SC2086
+  run alone alone "" $exact
+  elf=$qemu_elf
+  verifies paced
+  clean paced
+  in_time paced
+  is paced hash "$(of session hash)"
+  is paced early 0
+  verifies alone
+  clean alone
+  is alone early 0
+  from_to alone crossed 1 1000
+  from_to alone losses 9 11
+  is alone safe 331
+  is alone quiet 0
+  from_to alone zeroed_us 3000 3250
+  has alone '010#....0500........' "COMMAND HALT"
+  figure paced "1 Mbit/s: $(($(of paced busy_us) / 10 / $(of paced ticks))).$(($(of paced busy_us) / $(of paced ticks) % 10)) % load; SYNC to FORCE median $(of paced median) us, worst $(of paced worst) us"
+  figure alone "nobody acknowledges for 21 ms: $(of alone losses) SYNCs lost, SAFE in tick $(($(of alone safe) - 1)); $(of alone crossed) frames of CAN 0 confirmed while a SYNC waited behind them"
+}
+
 test_guards() {
   run stack stack
   if [ "$status" -eq 99 ] && grep -q 'fault 4 esr 9600004[0-9A-F] .*address 0000000000180' "$work/stack.out"; then
@@ -239,6 +286,8 @@ test_host_time
 test_silent
 test_off
 test_flood
+test_full
+test_model
 test_guards
 test_refused
 figure code "$(aarch64-linux-gnu-size -A "$elf" | awk '/^\.(text|rodata|stack|bss) / { printf "%s %d  ", $1, $2 }')"

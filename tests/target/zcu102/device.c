@@ -9,6 +9,7 @@
 #include "rt/wire/codec.h"
 #include "rt/wire/dictionary.h"
 #include "tests/target/zcu102/recorder.h"
+#include "tests/target/zcu102/wire.h"
 
 enum { STEP_US = 250, SILENCE_US = 3000, INSTANCE = 0, CNTP_ENABLE = 1 };
 
@@ -18,7 +19,8 @@ static struct {
   const device_plan *plan;
   const fray_input *script;
   uint32_t count;
-  uint64_t off_until; /* counts; 0: CAN 0 is on the bus, or nothing is to happen any more */
+  uint64_t step_at, wake_at; /* counts: its own next step; when the timer interrupts */
+  uint64_t off_until; /* 0: all are on the bus, or nothing is to happen any more */
   uint32_t off_done;
   uint64_t felt_at; /* counts; 0: no force is felt */
   uint8_t counter[FRAY_HANDS], newest[FRAY_HANDS], command;
@@ -129,28 +131,37 @@ static void drop_force(uint64_t now) {
   ++device_felt.zeroed;
 }
 
-/* QEMU's controllers need nobody to acknowledge a frame. Taking CAN 0 itself off the bus has the same
- * effect for the runtime: what it sends waits, and no confirmation comes. */
+/* QEMU's controllers need nobody to acknowledge a frame. There CAN 0 itself is taken off the bus:
+ * what it sends waits, and no confirmation comes. */
 static void cut_bus(uint64_t now) {
   const device_plan *p = self.plan;
   if (p->off_from != 0 && !self.off_done && device_felt.syncs >= p->off_from) {
     self.off_done = 1;
     self.off_until = p->off_us != 0 ? now + timer_counts(p->off_us) : 0;
-    can_leave(CAN0_BASE);
+    can_leave(p->off_base);
   }
   if (self.off_until != 0 && now >= self.off_until) {
     self.off_until = 0;
-    can_join(CAN0_BASE);
+    can_join(p->off_base);
   }
 }
 
-static void step_again(uint64_t from) { CPU_WRITE(cntp_cval_el0, from + timer_counts(STEP_US)); }
+void device_wake(uint64_t at) {
+  if (at >= self.wake_at) return;
+  self.wake_at = at;
+  CPU_WRITE(cntp_cval_el0, at);
+}
 
 static void step(void) {
   const uint64_t now = timer_now();
-  drop_force(now);
-  cut_bus(now);
-  step_again(now);
+  self.wake_at = UINT64_MAX;
+  device_wake(wire_step(now));
+  if (now >= self.step_at) {
+    self.step_at = now + timer_counts(STEP_US);
+    drop_force(now);
+    cut_bus(now);
+  }
+  device_wake(self.step_at);
 }
 
 void board_other_interrupt(uint32_t id) {
@@ -171,6 +182,8 @@ void device_begin(const device_plan *plan, const fray_input *script, uint32_t co
   gic_enable(GIC_CAN1, BOARD_PRIORITY_OTHER);
   gic_enable(GIC_TIMER_PHYSICAL, BOARD_PRIORITY_OTHER);
   gic_enable(GIC_TIMER_SECURE, BOARD_PRIORITY_OTHER);
-  step_again(timer_now());
+  self.wake_at = UINT64_MAX;
+  self.step_at = timer_now() + timer_counts(STEP_US);
+  device_wake(self.step_at);
   CPU_WRITE(cntp_ctl_el0, CNTP_ENABLE);
 }

@@ -16,8 +16,9 @@ typedef struct {
   uint32_t silent_from; /* 0: never; no pose for so many SYNCs */
   uint32_t silent_for;
   uint32_t flood_at;    /* 0: never; instead of its poses, DEVICE_FLOOD that no port takes */
-  uint32_t off_from;    /* 0: never; CAN 0 is off the bus for so long; */
+  uint32_t off_from;    /* 0: never; a controller is off the bus for so long, */
   uint32_t off_us;      /* 0: until the program puts it back */
+  uintptr_t off_base;   /* CAN 0, or CAN 1: nobody is there to acknowledge */
 } device_plan;
 
 enum { DEVICE_FLOOD = 80 }; /* more than a receive FIFO holds */
@@ -34,8 +35,11 @@ typedef struct {
 
 extern device_report device_felt;
 
-/* Joins CAN 1 and begins its timer. `script[count]`: the answer to each SYNC; behind its end the last
- * poses stay. The world's instance is 0. */
+/* Its timer interrupts no later than this, in counts. */
+void device_wake(uint64_t at);
+
+/* Joins CAN 1 and begins its timer. `script[count]`: the answer to each SYNC; behind its end the
+ * last poses stay. The world's instance is 0. */
 void device_begin(const device_plan *plan, const fray_input *script, uint32_t count);
 
 #endif

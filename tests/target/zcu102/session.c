@@ -3,6 +3,7 @@
  * first word that the program is started with names what goes wrong. Prints `key value` lines, then
  * the log of the bus. */
 #include "platform/loop.h"
+#include "platform/platform.h"
 #include "platform/zcu102/board.h"
 #include "platform/zcu102/can.h"
 #include "platform/zcu102/console.h"
@@ -10,17 +11,20 @@
 #include "tests/cross/cases.h"
 #include "tests/target/zcu102/device.h"
 #include "tests/target/zcu102/recorder.h"
+#include "tests/target/zcu102/wire.h"
 
-enum { WORLD_BYTES = 64 * 1024, WORD = 32, ATTEMPTS = 10000, LATE_LOSSES = 10 };
+enum { WORLD_BYTES = 64 * 1024, WORD = 32, ATTEMPTS = 10000, LATE_LOSSES = 10, QUIET_US = 2000 };
 
 static const device_plan plans[] = {
-    {"session", 800, 0, 0, 0, 0, 0},
-    {"silent", 600, 330, 40, 0, 0, 0},
-    {"flood", 500, 0, 0, 330, 0, 0},
-    {"off", 600, 0, 0, 0, 330, 21300},
-    {"late", 600, 0, 0, 0, 330, 0},
-    {"stack", 0, 0, 0, 0, 0, 0},
-    {"flash", 0, 0, 0, 0, 0, 0},
+    {.name = "session", .ticks = 800},
+    {.name = "silent", .ticks = 600, .silent_from = 330, .silent_for = 40},
+    {.name = "flood", .ticks = 500, .flood_at = 330},
+    {.name = "off", .ticks = 600, .off_from = 330, .off_us = 21300, .off_base = CAN0_BASE},
+    {.name = "late", .ticks = 600, .off_from = 330, .off_base = CAN0_BASE},
+    {.name = "alone", .ticks = 600, .off_from = 330, .off_us = 21300, .off_base = CAN1_BASE},
+    {.name = "full"},
+    {.name = "stack"},
+    {.name = "flash"},
 };
 
 static _Alignas(FRAY_ALIGN) uint8_t memory[WORLD_BYTES];
@@ -101,6 +105,9 @@ static void print_board(void) {
   print("stack", board_stack_used());
   print("stack_bytes", board_stack_bytes());
   print("unexpected", zcu102_board.unexpected);
+  print("early", wire_early());
+  print("crossed", wire_crossed());
+  print("busy_us", wire_busy_us());
   print("syncs", device_felt.syncs);
   print("forces", device_felt.forces);
   print("bad", device_felt.bad);
@@ -113,7 +120,9 @@ static void print_board(void) {
 static int open_world(fray_world **world) {
   const cross_case *c = &cross_cases[0];
   fray_error error;
-  if (fray_open(c->image, c->image_bytes, memory, sizeof memory, world, &error) == FRAY_OK) return 1;
+  const fray_status status =
+      fray_open(c->image, c->image_bytes, memory, sizeof memory, world, &error);
+  if (status == FRAY_OK) return 1;
   platform_print("refused: ");
   platform_print(error.what);
   platform_print("\n");
@@ -129,10 +138,11 @@ static int run(const device_plan *plan) {
   for (uint32_t n = 0; n < ATTEMPTS && runtime.tick < plan->ticks; ++n) {
     if (loop_run(&runtime) == LOOP_TICKED) look(&runtime.output);
     /* between two tries of a SYNC: it goes out while nobody waits for it */
-    if (plan->off_us == 0 && runtime.bus_losses == LATE_LOSSES) can_join(CAN0_BASE);
+    if (plan->off_us == 0 && runtime.bus_losses == LATE_LOSSES) can_join(plan->off_base);
   }
   zcu102_board.stopping = 1;
   const int stopped = loop_run(&runtime) == LOOP_STOPPED;
+  timer_sleep(timer_now() + timer_counts(QUIET_US), 0);
   print_runtime();
   print_board();
   platform_print("hash ");
@@ -141,7 +151,24 @@ static int run(const device_plan *plan) {
   return recorder_print() && stopped ? 0 : 1;
 }
 
-static uint32_t dig(volatile uint32_t depth) { return depth == 0 ? 0 : dig(depth - 1u) + depth; }
+/* More than the controller can hold while it is off the bus. */
+static int fill(const device_plan *plan) {
+  static const frame f = {.id = FRAME_ID_MAX, .length = FRAME_DATA_CLASSIC};
+  uint32_t sent = 0;
+  device_begin(plan, cross_cases[0].inputs, cross_cases[0].input_count);
+  board_open(0, 1000);
+  can_leave(CAN0_BASE);
+  for (uint32_t n = 0; n < DEVICE_FLOOD; ++n) sent += platform_send(&f) == PLATFORM_SENT;
+  print("sent", sent);
+  print("dropped", zcu102_board.sends_dropped);
+  can_join(CAN0_BASE);
+  print("again", platform_send(&f) == PLATFORM_SENT);
+  return 0;
+}
+
+static uint32_t dig(volatile uint32_t depth) {
+  return depth == 0 ? 0 : dig(depth - 1u) + depth;
+}
 
 int main(void) {
   const device_plan *plan = find_plan();
@@ -154,5 +181,5 @@ int main(void) {
     *(volatile uint8_t *)(uintptr_t)cross_cases[0].image = 0;
     return 1;
   }
-  return run(plan);
+  return same_word(plan->name, "full") ? fill(plan) : run(plan);
 }
