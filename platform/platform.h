@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a board gives the loop (platform/loop.c): four functions, found by the linker.
+/* What a board gives: five functions, found by the linker. The loop (platform/loop.c) calls the
+ * first three. Programs without an operating system call the other two.
  *
  * The input of tick k is what was received before the transmit confirmation of SYNC k; the board
  * knows where that is: the own echo on Linux, the receive level latched in the transmit-complete
@@ -29,5 +30,11 @@ platform_result platform_sync(const frame *sync, port *p);
 
 /* Queues a frame. What cannot be sent now is dropped and counted: the next tick says it anew. */
 platform_result platform_send(const frame *f);
+
+/* The console: text that ends with a 0. Figures and faults, never in a tick. */
+void platform_print(const char *text);
+
+/* Ends the program; `status` 0..125 is what an emulator exits with. A product starts again. */
+_Noreturn void platform_exit(int status);
 
 #endif

@@ -24,10 +24,10 @@ config_machine() { # of the part before the dash
       OBJDUMP=s390x-linux-gnu-objdump RUN=qemu-s390x-static EXTRA=-static
       TOOLS="$CC $RUN" PACKAGES="gcc-s390x-linux-gnu and qemu-user-static" ;;
     m3)
-      CC=arm-none-eabi-gcc AR=arm-none-eabi-ar NM=arm-none-eabi-nm
-      OBJDUMP=arm-none-eabi-objdump
-      RUN="qemu-system-arm -M mps2-an385 -nographic -serial null -monitor none -semihosting-config enable=on,target=native -kernel"
-      EXTRA="-mcpu=cortex-m3 -mthumb -ffreestanding -ffunction-sections -fdata-sections -DFRAY_ID_BITS=16"
+      AR=arm-none-eabi-ar NM=arm-none-eabi-nm OBJDUMP=arm-none-eabi-objdump
+      RUN="sh tests/target/target.sh run m3"
+      EXTRA=$(sh tests/target/target.sh flags m3)
+      CC=${EXTRA%% *} EXTRA=${EXTRA#* }
       TOOLS="$CC qemu-system-arm" PACKAGES="gcc-arm-none-eabi and qemu-system-arm" ;;
     *) echo "configs.sh: no machine '$1'" >&2; exit 2 ;;
   esac

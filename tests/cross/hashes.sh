@@ -29,24 +29,18 @@ prepare() {
   cmp -s "$work/new.c" "$work/cases.c" || cp "$work/new.c" "$work/cases.c"
 }
 
-sources() { # of the machine's port
-  echo tests/cross/replay_main.c "$work/cases.c"
-  case $1 in
-    m3) for name in start semihost memory; do echo "tests/target/cortexm3/$name.c"; done ;;
-    *) echo tests/cross/port_stdio.c ;;
-  esac
-}
-
 build() { # NAME: the program is $work/NAME
   config_make "$1" libfray.a || return 1
-  link=''
+  library=$FRAY_BUILD/cross/$1/libfray.a
   case $1 in
-    m3-*) link="-nostdlib -nostartfiles -fno-tree-loop-distribute-patterns -Wl,--gc-sections
-                -Wl,-Map=$work/$1.map -T linker/mps2-an385.ld" ;;
+    m3-*)
+      sh tests/target/target.sh build m3 "$OPT" "$work/$1" tests/cross/replay_main.c \
+        "$work/cases.c" tests/target/port_bare.c "$library" -Wl,-Map="$work/$1.map" ;;
+    *)
+      # shellcheck disable=SC2086
+      $CC -std=c11 -Wall -Wextra -Werror -I. $OPT $EXTRA tests/cross/replay_main.c "$work/cases.c" \
+        tests/cross/port_stdio.c "$library" -o "$work/$1" ;;
   esac
-  # shellcheck disable=SC2086,SC2046
-  $CC -std=c11 -Wall -Wextra -Werror -I. $OPT $EXTRA $(sources "${1%%-*}") \
-    "$FRAY_BUILD/cross/$1/libfray.a" $link $(case $1 in m3-*) echo -lgcc ;; esac) -o "$work/$1"
 }
 
 # Golden files in the form that replay_main prints.
@@ -83,7 +77,6 @@ check_config() {
     return
   fi
   # shellcheck disable=SC2086
-  # the semihosting console of QEMU is its error stream
   timeout 300 $RUN "$work/$1" >"$work/$1.out" 2>&1 </dev/null || echo "exit $?" >>"$work/$1.out"
   grep -v '^memory ' "$work/$1.out" >"$work/$1.txt" || true
   result=$(compare "$work/expected.txt" "$work/$1.txt")

@@ -1,0 +1,6 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The port of tests/cross on a machine without an operating system. */
+#include "platform/platform.h"
+#include "tests/cross/cases.h"
+
+void port_print(const char *text) { platform_print(text); }
