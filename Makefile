@@ -11,7 +11,7 @@ FUZZ_SECONDS ?= 60
 RT_C := $(wildcard rt/*/*.c)
 TOOL_C := $(wildcard tools/*.c tools/*/*.c platform/*.c platform/log/*.c platform/linux/*.c)
 UNIT_C := $(wildcard tests/unit/*.c tests/oracle/*.c tests/sim/test_*.c)
-HELPER_C := tests/cross/emit.c tests/cli/alter.c tests/bus/bare_timer.c
+HELPER_C := tests/cross/emit.c tests/target/tape.c tests/cli/alter.c tests/bus/bare_timer.c
 
 RT_O := $(RT_C:%.c=$(BUILD)/%.o)
 TOOL_O := $(TOOL_C:%.c=$(BUILD)/%.o)
@@ -26,7 +26,7 @@ SIM_O := $(BUILD)/tests/sim/sim_board.o
 FAULT_O := $(patsubst %,$(BUILD)/faults/platform/linux/%.o,board bus_log can_socket timer)
 IMAGE_16 := $(BUILD)/id16/tests/unit/test_image
 
-.PHONY: all help run test clean san san-integer checked golden golden-update fuzz tidy size bench force bus-test bus-test-qemu can-test
+.PHONY: all help run test clean san san-integer checked golden golden-update fuzz tidy size bench force bus-test bus-test-qemu targets target-test can-test
 all: $(FRAY) ## build the `fray` command
 
 help: ## list the targets
@@ -108,6 +108,12 @@ bus-test: $(FRAY) $(BUILD)/tests/bus/bare_timer ## live sessions on vcan, on the
 
 bus-test-qemu: $(FRAY) ## the same bus on two emulated controllers, and on vcan with unpinned queues
 	@FRAY=$(FRAY) BUILD=$(BUILD) sh tests/bus/run.sh qemu
+
+targets: $(FRAY) $(HELPERS) ## firmwares of every bare-metal machine, and what they take of its memory
+	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) sh tests/target/targets.sh build
+
+target-test: $(FRAY) $(HELPERS) ## run them in QEMU at stated rates, and try their guards
+	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) sh tests/target/targets.sh test
 
 can-test: $(FRAY) $(HELPERS) ## the bare-metal CAN port in sessions on an emulated ZCU102
 	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) sh tests/target/zcu102.sh
