@@ -29,7 +29,7 @@ static void print_usage(FILE *out) {
         "  noise 4 um            on each axis (default none)\n"
         "  instance 0            which runtime on the bus, 0 to 7 (default 0)\n"
         "  duration 5 s\n"
-        "  command 0.1 s start   start, stop, reset or zero\n"
+        "  command 0.1 s start   start, stop, reset, zero or halt\n"
         "  left { 0 s 0 0 0 mm  5 s -25 2 0 mm }    keys: time, x y z; right likewise\n"
         "\n"
         "  --free           its own clock; without it, one pose a hand for each SYNC\n"

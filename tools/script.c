@@ -187,7 +187,7 @@ static int read_hand(parser *p, uint32_t hand) {
 }
 
 static int read_command(parser *p) {
-  static const char *const VERBS[] = {NULL, "start", "stop", "reset", "zero"};
+  static const char *const VERBS[] = {NULL, "start", "stop", "reset", "zero", "halt"};
   script *s = p->out;
   const word start = p->now;
   script_command *command = &s->command[s->commands];
@@ -197,14 +197,14 @@ static int read_command(parser *p) {
     p->now = start;
     return fail(p, "a time not before that of the command before");
   }
-  for (int verb = FRAY_VERB_START; verb <= FRAY_VERB_ZERO; ++verb) {
+  for (int verb = FRAY_VERB_START; verb <= FRAY_VERB_HALT; ++verb) {
     if (!is(p, VERBS[verb])) continue;
     command->verb = (fray_verb)verb;
     s->commands += 1;
     next(p);
     return 1;
   }
-  return fail(p, "a command: start, stop, reset or zero");
+  return fail(p, "a command: start, stop, reset, zero or halt");
 }
 
 static int read_noise(parser *p) {

@@ -6,7 +6,7 @@
  *   noise 4 um            # evenly within +-4 um on each axis, default none
  *   instance 0            # which runtime on the bus, default 0
  *   duration 5 s
- *   command 0.1 s start   # start, stop, reset or zero; in the order of time
+ *   command 0.1 s start   # start, stop, reset, zero or halt; in the order of time
  *   left { 0 s 0 0 0 mm   1 s 0 0 0 mm   5 s -25 2 0 mm }
  *   right { 0 s 0 0 0 mm }
  *

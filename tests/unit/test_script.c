@@ -14,7 +14,7 @@ static int parse(const char *text) {
 static void a_script(void) {
   CHECK(parse("rate 500 Hz seed 7 noise 4.5 um # comment\n"
               "duration 2.001 s\n"
-              "command 0.1 s start  command 100 ms zero\n"
+              "command 0.1 s start  command 100 ms zero command 0.2 s halt\n"
               "left{ 0 s 0 0 0 mm  1 s -2.5 0.000001 65 mm}\n"
               "right { 500 ms 1 -1 0.5 cm }\n"));
   CHECK_EQ_INT(s.rate_hz, 500);
@@ -22,9 +22,10 @@ static void a_script(void) {
   CHECK_EQ_INT(s.noise_nm, 4500);
   CHECK_EQ_INT(s.duration_us, 2001000);
   CHECK_EQ_INT(script_ticks(&s), 1001);
-  CHECK_EQ_INT(s.commands, 2);
+  CHECK_EQ_INT(s.commands, 3);
   CHECK_EQ_INT(s.command[1].verb, FRAY_VERB_ZERO);
   CHECK_EQ_INT(s.command[1].time_us, 100000);
+  CHECK_EQ_INT(s.command[2].verb, FRAY_VERB_HALT);
   CHECK_EQ_INT(script_tick_at(&s, 100000), 50);
   CHECK_EQ_INT(script_tick_at(&s, 100001), 51);
   CHECK_EQ_INT(s.keys[0], 2);
@@ -89,7 +90,7 @@ static void refused_scripts(void) {
   refused("duration 1e3 s", 1, 10, "found '1e3', expected a time, e.g. 0.5 s");
   refused("duration 1. s", 1, 10, "found '1.', expected a time, e.g. 0.5 s");
   refused("duration 36001 s", 1, 10, "found '36001', expected a time of 0 s to 36000 s");
-  refused("command 1 s go", 1, 13, "found 'go', expected a command: start, stop, reset or zero");
+  refused("command 1 s go", 1, 13, "found 'go', expected a command: start, stop, reset, zero or halt");
   refused("command 1 s stop command 0 s stop", 1, 26,
           "found '0', expected a time not before that of the command before");
   refused("left 0 s", 1, 6, "found '0', expected '{' and the keys of this hand");
