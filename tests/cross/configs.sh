@@ -2,33 +2,70 @@
 # The machines, compilers and options that must agree. config NAME sets
 #   CC AR NM OBJDUMP OPT EXTRA   to build with
 #   RUN                          in front of a program of that machine
+#   MACHINE IS_BARE              its name, bits and byte order; no operating system
+#   CASES LIMITS                 all, or tiny: what fits; options that say how much memory and time
+#   RESTORED                     how often the second run is saved and opened again
 #   TOOLS, PACKAGES              what it takes, and where Debian has it
 # and returns 1 where something of it is missing.
 # shellcheck disable=SC2034
-CONFIGS_SHORT="gcc-O0 gcc-O2 gcc-O3 gcc-native gcc-id16 clang-O0 clang-O3 i386-O2 s390x-O2 m3-O2"
+CONFIGS_SHORT="gcc-O0 gcc-O2 gcc-O3 gcc-native gcc-id16 clang-O0 clang-O3 i386-O2 s390x-O2 mips-O2
+  m3-O2"
 CONFIGS_FULL="gcc-O0 gcc-O1 gcc-O2 gcc-O3 gcc-Os gcc-native gcc-id16 gcc-checked
-  clang-O0 clang-O2 clang-O3 clang-native i386-O0 i386-O2 i386-O3 s390x-O0 s390x-O2 s390x-O3
-  m3-O0 m3-O2 m3-O3 m3-Os"
+  clang-O0 clang-O2 clang-O3 clang-Os clang-native
+  i386-O0 i386-O2 i386-O3 armhf-O0 armhf-O2 armhf-O3 aarch64-O0 aarch64-O2 aarch64-O3
+  riscv64-O0 riscv64-O2 riscv64-O3 powerpc-O0 powerpc-O2 powerpc-O3 s390x-O0 s390x-O2 s390x-O3
+  mips-O0 mips-O2 mips-O3
+  m0-O2 m0-Os m3-O0 m3-O2 m3-O3 m3-Os m4f-O2 m4f-O3 m7f-O2 m7f-O3 m33-O2 m33-Os m55-O2
+  r5f-O2 r5f-O3 rv32-O2 rv32-Os microbit-O2 microbit-Os"
+# where the whole command is built too, and its images compared
+CONFIGS_IMAGES="gcc-O0 gcc-O3 gcc-id16 clang-O3 i386-O2 armhf-O2 aarch64-O2 riscv64-O2 powerpc-O2
+  s390x-O2 mips-O2"
+# where what `make run` records is verified
+CONFIGS_RUN="clang-O3 s390x-O2"
+
+# TRIPLET QEMU MACHINE...: a Linux machine under qemu-user
+config_foreign() {
+  CC=$1-gcc AR=$1-ar NM=$1-nm OBJDUMP=$1-objdump RUN=qemu-$2-static EXTRA=-static
+  TOOLS="$CC $RUN" PACKAGES="gcc-$1 and qemu-user-static"
+  shift 2
+  MACHINE="$*"
+}
+
+# NAME of tests/target/target.sh: a machine without an operating system
+config_bare() {
+  PACKAGES=$(sh tests/target/target.sh needs "$1") || MISSING=yes
+  EXTRA=$(sh tests/target/target.sh flags "$1")
+  CC=${EXTRA%% *} EXTRA=${EXTRA#* }
+  AR=${CC%gcc}ar NM=${CC%gcc}nm OBJDUMP=${CC%gcc}objdump
+  RUN="sh tests/target/target.sh run $1"
+  case $1 in
+    r5f) MACHINE='cortex-r5f 32 little' ;;
+    rv32) MACHINE='rv32imac 32 little' ;;
+    microbit) MACHINE='microbit,m0 32 little' ;;
+    *) MACHINE="cortex-$1 32 little" ;;
+  esac
+  IS_BARE=yes
+  # 16 KiB of RAM, 2 of them the stack: one image is saved, once, and its world runs from there
+  if [ "$1" = microbit ]; then
+    CASES=tiny RESTORED=once
+    LIMITS="-DCROSS_MEMORY=5632 -DCROSS_SAVED=7168 -DCROSS_SAVED_IMAGES=1"
+  fi
+}
 
 config_machine() { # of the part before the dash
-  AR=ar NM=nm OBJDUMP=objdump RUN='' EXTRA='' PACKAGES='' TOOLS=''
+  AR=ar NM=nm OBJDUMP=objdump RUN='' EXTRA='' PACKAGES='' TOOLS='' MISSING=no
+  MACHINE='x86-64 64 little' IS_BARE=no CASES=all LIMITS='' RESTORED=often
   case $1 in
     gcc) CC=gcc TOOLS=gcc PACKAGES=gcc ;;
     clang) CC=clang TOOLS=clang PACKAGES=clang ;;
-    i386)
-      CC=i686-linux-gnu-gcc AR=i686-linux-gnu-ar NM=i686-linux-gnu-nm
-      OBJDUMP=i686-linux-gnu-objdump RUN=qemu-i386-static EXTRA=-static
-      TOOLS="$CC $RUN" PACKAGES="gcc-i686-linux-gnu and qemu-user-static" ;;
-    s390x)
-      CC=s390x-linux-gnu-gcc AR=s390x-linux-gnu-ar NM=s390x-linux-gnu-nm
-      OBJDUMP=s390x-linux-gnu-objdump RUN=qemu-s390x-static EXTRA=-static
-      TOOLS="$CC $RUN" PACKAGES="gcc-s390x-linux-gnu and qemu-user-static" ;;
-    m3)
-      AR=arm-none-eabi-ar NM=arm-none-eabi-nm OBJDUMP=arm-none-eabi-objdump
-      RUN="sh tests/target/target.sh run m3"
-      EXTRA=$(sh tests/target/target.sh flags m3)
-      CC=${EXTRA%% *} EXTRA=${EXTRA#* }
-      TOOLS="$CC qemu-system-arm" PACKAGES="gcc-arm-none-eabi and qemu-system-arm" ;;
+    i386) config_foreign i686-linux-gnu i386 i386 32 little ;;
+    armhf) config_foreign arm-linux-gnueabihf arm armv7-a 32 little ;;
+    aarch64) config_foreign aarch64-linux-gnu aarch64 aarch64 64 little ;;
+    riscv64) config_foreign riscv64-linux-gnu riscv64 rv64gc 64 little ;;
+    powerpc) config_foreign powerpc-linux-gnu ppc powerpc 32 big ;;
+    s390x) config_foreign s390x-linux-gnu s390x s390x 64 big ;;
+    mips) config_foreign mips-linux-gnu mips mips32r2 32 big ;;
+    m0 | m3 | m4f | m7f | m33 | m55 | r5f | rv32 | microbit) config_bare "$1" ;;
     *) echo "configs.sh: no machine '$1'" >&2; exit 2 ;;
   esac
 }
@@ -40,10 +77,15 @@ config() {
     *-id16) OPT=-O2 EXTRA="$EXTRA -DFRAY_ID_BITS=16" ;;
     *-checked) OPT=-O2 EXTRA="$EXTRA -DFRAY_CHECKED" ;;
     # gcc 12 sees a loop of at most 16 run over 16 bytes there (cmac.c), and nowhere else
-    i386-O3 | s390x-O3) OPT=-O3 EXTRA="$EXTRA -Wno-error=stringop-overflow" ;;
+    i386-O3 | s390x-O3 | powerpc-O3 | riscv64-O3 | mips-O3)
+      OPT=-O3 EXTRA="$EXTRA -Wno-error=stringop-overflow" ;;
+    # an emulator takes minutes for it
+    gcc-O0 | clang-O0) OPT=-O0 ;;
+    *-O0) OPT=-O0 RESTORED=no LIMITS="$LIMITS -DCROSS_RESTORED=0" ;;
     *) OPT=-${1#*-} ;;
   esac
-  for tool in $TOOLS; do have "$tool" || return 1; done
+  for tool in $TOOLS; do have "$tool" || MISSING=yes; done
+  [ "$MISSING" = no ]
 }
 
 # config_make NAME TARGET...: builds below $FRAY_BUILD/cross/NAME; config NAME comes first.
