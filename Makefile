@@ -26,7 +26,7 @@ SIM_O := $(BUILD)/tests/sim/sim_board.o
 FAULT_O := $(patsubst %,$(BUILD)/faults/platform/linux/%.o,board bus_log can_socket timer)
 IMAGE_16 := $(BUILD)/id16/tests/unit/test_image
 
-.PHONY: all help run test clean san san-integer checked golden golden-update fuzz tidy size bench force bus-test bus-test-qemu targets target-test can-test
+.PHONY: all help run test clean san san-integer checked golden golden-update fuzz tidy size bench force bus-test bus-test-qemu targets target-test can-test stack budget-update
 all: $(FRAY) ## build the `fray` command
 
 help: ## list the targets
@@ -120,8 +120,15 @@ can-test: $(FRAY) $(HELPERS) ## the bare-metal CAN port in sessions on an emulat
 tidy: ## arrows between folders, sizes of files and functions, licences, cppcheck
 	@BUILD=$(BUILD) sh tests/tidy.sh
 
-size: $(FRAY) $(HELPERS) ## bytes of code and memory, x86-64 and Cortex-M3
+size: $(FRAY) $(HELPERS) ## bytes of code by machine and folder, RAM by pool, against their budgets
 	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) sh tests/cross/size.sh
+
+stack: $(FRAY) $(HELPERS) ## the deepest stack by the call graph, beside a painted one
+	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) sh tests/stack/stack.sh
+
+budget-update: $(FRAY) $(HELPERS) ## write measured code, RAM and stack to tests/budget; say why
+	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) sh tests/stack/stack.sh update
+	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) sh tests/cross/size.sh update
 
 bench: $(FRAY) ## time projections and stages
 	$(FRAY) bench

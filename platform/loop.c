@@ -28,7 +28,8 @@ static void say_command(loop *l) {
   l->command = FRAY_VERB_NONE;
 }
 
-static void send_outputs(loop *l) {
+/* Never inlined: its frames must not lie on the stack while the tick runs. */
+static __attribute__((noinline)) void send_outputs(loop *l) {
   frame frames[PORT_OUT];
   l->out.overruns = (uint16_t)(l->overruns < 65535u ? l->overruns : 65535u);
   const uint32_t count = port_encode(&l->out, &l->output, frames);

@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: Apache-2.0
+# The firmware whose stack and code are bounded: firmware NAME OPT builds $stack_work/NAME-OPT.elf for a
+# machine of target.sh, with the compiler's call graph beside it.
+stack_work=$FRAY_BUILD/stack
+
+firmware_cases() {
+  mkdir -p "$stack_work"
+  "$FRAY" hand -o "$stack_work/small.log" tests/cross/small.hand
+  # the right hand falls silent for 40 ms: STALE, SAFE
+  "$FRAY" hand -o "$stack_work/all.log" tests/cross/torn.hand
+  awk '!($3 ~ /^102#/ && $1 >= "(1000000000.680000)" && $1 < "(1000000000.720000)")' \
+    "$stack_work/all.log" >"$stack_work/torn.log"
+  "$FRAY" scene tests/scenes/small.scene -o "$stack_work/small.img" >/dev/null
+  "$FRAY" scene tests/cross/torn.scene -o "$stack_work/torn.img" >/dev/null
+  "$FRAY" scene tests/cross/bodies.scene -o "$stack_work/bodies.img" >/dev/null
+  suite_make BUILD="$FRAY_BUILD" "$FRAY_BUILD/tests/cross/emit"
+  "$FRAY_BUILD/tests/cross/emit" small "$stack_work/small.img" "$stack_work/small.log" 800 \
+    torn "$stack_work/torn.img" "$stack_work/torn.log" 1050 bodies "$stack_work/bodies.img" - 600 \
+    >"$stack_work/cases.c"
+}
+
+firmware() { # NAME OPT
+  rm -f "$stack_work/$1-$2.elf"*
+  sh tests/target/target.sh build "$1" "$2" "$stack_work/$1-$2.elf" tests/stack/firmware.c \
+    "$stack_work/cases.c" platform/loop.c rt/*/*.c -fcallgraph-info=su,da
+}

@@ -1,0 +1,129 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# stack.sh [update]: the deepest stack of a whole firmware (start-up, runtime, wire, loop, board,
+# helpers of libgcc) by its call graph, machine by machine, against tests/budget; fails on recursion,
+# on frames that are not static, on indirect calls, on a frame that the instructions contradict, and
+# where the mark on a painted stack is not between 60 and 100 % of the bound.
+. tests/lib/suite.sh
+. tests/stack/firmware.sh
+
+measured=$stack_work/measured.txt
+
+# An exception pushes this before its handler runs: 8 words and one of alignment, with an FPU 26.
+# The tick's may come at the deepest point, and a fault in it.
+machine() { # NAME: sets prefix, top, tops, handler, entry
+  prefix=arm-none-eabi- top=reset_handler tops=' fault_handler ' handler=systick_handler entry=36
+  case $1 in
+    m33 | m4f | m7f) entry=108 ;;
+    rv32) # the tick wakes and does not interrupt; a trap starts at the top
+      prefix=riscv64-unknown-elf- top=reset tops=' reset others trap ' handler='' entry=0 ;;
+  esac
+}
+
+graph() { # X.elf: its bounds
+  "${prefix}objdump" -d --no-show-raw-insn "$1" | awk -f tests/stack/disassembly.awk >"$1.calls"
+  "${prefix}nm" "$1" >"$1.names"
+  cat "$1"-*.ci | awk -f tests/stack/callgraph.awk |
+    awk -v tops="$tops" -v roots="$2" -f tests/stack/deepest.awk - "$1.calls" "$1.names"
+}
+
+bound_of() { awk -v root="$1" '$1 == "bound" && $2 == root { print $3 }' "$2"; }
+complaints() { # WHAT RESULT
+  grep '^FAILED ' "$2" >"$2.bad" || true
+  if [ -s "$2.bad" ]; then fail "$1: $(cat "$2.bad")"; else pass; fi
+}
+
+print_path() { # ROOT RESULT
+  awk -v root="$1" '$1 == "bound" { on = $2 == root } $1 == "path" && on {
+    printf "    %6d  %s %s\n", $2, $3, substr($0, index($0, $3) + length($3) + 1) }' "$2"
+}
+
+row() { printf '  %-9s %9s %9s %9s %9s %9s %9s %9s %6s\n' "$@"; }
+
+measure() { # NAME OPT
+  machine "$1"
+  what=$1-${2#-}
+  elf=$stack_work/$1-$2.elf
+  result=$elf.bounds
+  if ! packages=$(sh tests/target/target.sh needs "$1"); then
+    not_run "stack of $what" "$packages"
+    return
+  fi
+  firmware "$1" "$2" || { fail "$what: the firmware does not build"; return; }
+  graph "$elf" "$top main loop_run fray_tick fray_open $handler bare_fault" >"$result" || true
+  complaints "$what" "$result"
+  handler_bytes=0
+  [ -z "$handler" ] || handler_bytes=$(bound_of "$handler" "$result")
+  interrupts=$((2 * entry + handler_bytes))
+  bound=$(($(bound_of "$top" "$result") + interrupts))
+  if sh tests/target/target.sh run "$1" "$elf" >"$elf.out"; then pass; else fail "$what: $(tail -n 1 "$elf.out")"; fi
+  mark=$(awk '$1 == "stack" { print $2 }' "$elf.out")
+  mark=${mark:-0}
+  row "$what" "$(bound_of fray_tick "$result")" "$(bound_of fray_open "$result")" \
+    "$(bound_of loop_run "$result")" "$(bound_of main "$result")" "$interrupts" "$bound" "$mark" \
+    "$((100 * mark / bound))%"
+  if [ "$mark" -le "$bound" ] && [ $((mark * 100)) -ge $((bound * 60)) ]; then
+    pass
+  else
+    fail "$what: a mark of $mark bytes is not between 60 and 100 % of the bound, $bound"
+  fi
+  {
+    echo "stack.$what.bound $bound ${prefix}gcc"
+    echo "stack.$what.tick $(bound_of fray_tick "$result") ${prefix}gcc"
+    echo "stack.$what.open $(bound_of fray_open "$result") ${prefix}gcc"
+  } >>"$measured"
+}
+
+# The frames alone, as gcc tells them; the C library's own are not known.
+measure_host() {
+  mkdir -p "$stack_work/host"
+  for file in rt/*/*.c platform/loop.c; do
+    gcc -std=c11 -O2 -I. -fcallgraph-info=su,da -c "$file" -o "$stack_work/host/$(echo "$file" | tr / -).o"
+  done
+  result=$stack_work/host/bounds
+  cat "$stack_work"/host/*.ci | awk -f tests/stack/callgraph.awk |
+    awk -v roots="loop_run fray_tick fray_open" -f tests/stack/deepest.awk >"$result"
+  complaints x86-64 "$result"
+  row x86-64 "$(bound_of fray_tick "$result")" "$(bound_of fray_open "$result")" \
+    "$(bound_of loop_run "$result")" - - - - -
+  echo "  x86-64 without: $(awk '$1 == "outside" { print $2 }' "$result" | sort | tr '\n' ' ')"
+}
+
+# What must be found is found: NAME WORDS BODY
+check_finding() {
+  printf 'int main(void);\nvolatile int v;\n%s\n' "$3" >"$stack_work/$1.c"
+  rm -f "$stack_work/$1.elf"*
+  sh tests/target/target.sh build m3 -O2 "$stack_work/$1.elf" "$stack_work/$1.c" -fcallgraph-info=su,da || true
+  graph "$stack_work/$1.elf" main >"$stack_work/$1.found" || true
+  if grep -q "^FAILED $2" "$stack_work/$1.found"; then pass; else fail "$1 was not found: $(cat "$stack_work/$1.found")"; fi
+}
+check_findings() {
+  machine m3
+  check_finding recursion "recursion: " \
+    '__attribute__((noinline)) static int odd(int n); __attribute__((noinline)) static int even(int n) { return n == 0 ? v : odd(n - 1) + v; } static int odd(int n) { return n == 0 ? 0 : even(n - 1) + v; } int main(void) { return even(v); }'
+  check_finding dynamic "a frame that is not static: " \
+    'static void use(volatile char *p) { *p = 0; } int main(void) { volatile char a[v]; use(a); return a[v / 2]; }'
+  check_finding pointer "an indirect call that is not resolved: main" \
+    'int (*volatile f)(int); int main(void) { return f(v) + 1; }'
+  check_finding tail "an indirect call that is not resolved: main" \
+    'int (*volatile f)(int); int main(void) { return f(v); }'
+  check_finding assembly "a frame that nobody knows: shrink" \
+    '__asm__(".thumb_func\n.type shrink, %function\nshrink: sub sp, r0\nadd sp, r0\nbx lr\n"); int shrink(int n); int main(void) { return shrink(v); }'
+}
+
+firmware_cases
+: >"$measured"
+row machine fray_tick fray_open loop_run main interrupt bound painted mark
+for name in m0 m3 m33 rv32; do measure "$name" -O2; done
+measure m3 -Os
+measure_host
+if [ -f "$stack_work/m3--O2.elf.bounds" ]; then
+  machine m3
+  check_findings
+  for root in fray_tick fray_open $top; do
+    echo "  deepest path of $root, m3-O2, bytes:"
+    print_path "$root" "$stack_work/m3--O2.elf.bounds"
+  done
+fi
+if sh tests/budget.sh stack. "$measured" ${1:+"$1"}; then pass; else fail "budgets of the stack"; fi
+suite_end
