@@ -14,7 +14,7 @@ function add_call(from, to) {
   seen[from, to] = 1
   calls[from] = calls[from] " " to
 }
-function frame_of(name) { return name in frame ? frame[name] : pushed[name] + 0 }
+function frame_of(name) { return name in frame && frame[name] > pushed[name] ? frame[name] : pushed[name] + 0 }
 function complain(text) { if (!(text in said)) print "FAILED " text; said[text] = 1 }
 
 # Everything that a bound must not contain.
