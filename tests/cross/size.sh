@@ -188,7 +188,7 @@ code_row machine $folders rt data bss
 for name in m0 m3 m4f m7f m33 rv32; do
   for opt in -O2 -Os; do measure_machine $name $opt; done
 done
-for opt in -O2 -Os; do measure_code x86-64 $opt gcc -fno-pie; done
+for opt in -O2 -Os; do ! have gcc || measure_code "$(uname -m)" $opt gcc -fno-pie; done
 firmware_cases
 for opt in -O2 -Os; do measure_firmware $opt; done
 measure_ram
