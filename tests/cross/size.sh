@@ -113,8 +113,8 @@ SCENE
 half() { awk -v n="$1" -v sign="$2" 'BEGIN { printf "%s%.4f", sign, (n - 1) / 24 }'; } # cm
 
 pool_table() { # POOLS
-  # shellcheck disable=SC2086
   printf '  %-12s' array
+  # shellcheck disable=SC2086
   printf ' %9s' $sheets
   printf '\n'
   awk -v sheets="$sheets" '
