@@ -14,6 +14,16 @@ void loop_begin(loop *l, fray_world *world, uint32_t instance) {
   l->out.contacts_max = fray_limits(world).contacts;
 }
 
+void loop_protect(loop *l, guard *g) { l->in.guard = g; }
+
+static platform_result loop_send(loop *l, frame *f) {
+  if (GUARD_SET(l->in.guard) && !guard_seal(l->in.guard, f)) {
+    ++l->unsealed;
+    return PLATFORM_LOST;
+  }
+  return platform_send(f);
+}
+
 void loop_command(loop *l, uint8_t verb) { l->command = verb; }
 
 /* The verb is said on the bus first, so that a log of the bus holds every input. */
@@ -22,7 +32,7 @@ static void say_command(loop *l) {
   l->command_counter = (uint8_t)((l->command_counter + 1u) & 15u);
   const codec_command command = {l->command_counter, l->command, 0};
   codec_encode_command(&f, l->out.instance, &command);
-  if (platform_send(&f) != PLATFORM_SENT) return; /* tried again in the next tick */
+  if (loop_send(l, &f) != PLATFORM_SENT) return; /* tried again in the next tick */
   l->input.verb = l->command;
   l->input.verb_counter = l->command_counter;
   l->command = FRAY_VERB_NONE;
@@ -33,7 +43,13 @@ static __attribute__((noinline)) void send_outputs(loop *l) {
   frame frames[PORT_OUT];
   l->out.overruns = (uint16_t)(l->overruns < 65535u ? l->overruns : 65535u);
   const uint32_t count = port_encode(&l->out, &l->output, frames);
-  for (uint32_t n = 0; n < count; ++n) (void)platform_send(&frames[n]);
+  for (uint32_t n = 0; n < count; ++n) (void)loop_send(l, &frames[n]);
+}
+
+static void obey_reset(loop *l) {
+  const fray_output *out = &l->output;
+  if (!GUARD_SET(l->in.guard) || out->acked != FRAY_VERB_RESET || out->result != FRAY_RESULT_OK) return;
+  guard_clear(l->in.guard);
 }
 
 loop_result loop_run(loop *l) {
@@ -42,6 +58,7 @@ loop_result loop_run(loop *l) {
   const int32_t missed = platform_wait();
   if (missed < 0) return LOOP_STOPPED;
   l->overruns += (uint32_t)missed;
+  if (GUARD_SET(l->in.guard)) guard_tick(l->in.guard);
   codec_encode_sync(&f, l->out.instance, &sync);
   if (platform_sync(&f, &l->in) != PLATFORM_SENT) {
     ++l->bus_losses;
@@ -49,11 +66,13 @@ loop_result loop_run(loop *l) {
     return LOOP_BUS_LOST;
   }
   port_take(&l->in, &l->input);
+  if (GUARD_SET(l->in.guard) && guard_alarm(l->in.guard)) l->halt = 1;
   if (l->halt != 0) l->command = FRAY_VERB_HALT;
   if (l->command != FRAY_VERB_NONE) say_command(l);
   if (l->halt != 0 && l->input.verb != FRAY_VERB_HALT) return LOOP_BUS_LOST;
   l->halt = 0;
   fray_tick(l->world, &l->input, &l->output);
+  obey_reset(l);
   l->tick = l->output.tick + 1u;
   l->hash = (uint32_t)(l->output.hash & 0xFFFFFFFFu);
   send_outputs(l);

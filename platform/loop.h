@@ -13,7 +13,8 @@ typedef struct {
   uint32_t hash;          /* low 32 bits that it carries */
   uint32_t overruns;      /* ticks that came late */
   uint32_t bus_losses;    /* SYNCs without a confirmation */
-  uint8_t halt;           /* the bus was lost: the next tick takes the world to SAFE */
+  uint32_t unsealed;      /* frames not sent, since their lane of freshness is spent */
+  uint8_t halt;           /* the bus was lost, or a lane of TAGs: the next tick goes to SAFE */
   uint8_t command;        /* a verb of the loop's own for the next tick, or 0 */
   uint8_t command_counter;
   fray_input input;       /* of the last tick */
@@ -24,6 +25,11 @@ typedef enum { LOOP_TICKED, LOOP_BUS_LOST, LOOP_STOPPED } loop_result;
 
 /* `instance` 0..7. The world stays the caller's. */
 void loop_begin(loop *l, fray_world *world, uint32_t instance);
+
+/* Under a key (rt/wire/guard.h), called after loop_begin(): what comes in goes through the guard, and
+ * what is said is sealed, the loop's own COMMANDs too. When a lane of TAGs fails the loop says HALT; a
+ * RESET that is obeyed lets it begin anew. The guard stays the caller's; NULL: none. */
+void loop_protect(loop *l, guard *g);
 
 /* Waits for the next tick and runs it. LOOP_BUS_LOST: no tick was computed and no force was sent;
  * the same SYNC is tried again. LOOP_STOPPED: platform_wait() said so. */

@@ -181,7 +181,7 @@ static int bench_sheets(int json) {
 static int bench_scene(const char *file, const char *log, uint32_t ticks, int json) {
   session s;
   tick_times t;
-  if (session_open(&s, file, log, 0) != 0) return 2;
+  if (session_open(&s, file, log, NULL, 0) != 0) return 2;
   if (ticks == 0) ticks = log != NULL ? s.log.count : 1000;
   const int good = ticks > 0 && time_ticks(&s, ticks, &t);
   if (good && json) {

@@ -18,7 +18,7 @@ enum { PATIENCE_MS = 2000 };
 
 static void print_usage(FILE *out) {
   fputs("usage: fray hand -o OUT.log X.hand\n"
-        "       fray hand --can IFACE X.hand [--free] [--patience MS] [trouble]\n"
+        "       fray hand --can IFACE X.hand [--free] [--patience MS] [--key FILE] [trouble]\n"
         "\n"
         "Writes what a two-handed device would send that follows the script X.hand: a log in the\n"
         "format of `candump -L`, the same on every machine, for `fray run --log`. With --can it is\n"
@@ -35,9 +35,13 @@ static void print_usage(FILE *out) {
         "  --free           its own clock; without it, one pose a hand for each SYNC\n"
         "  --rigid          forces do not move it\n"
         "  --patience MS    ends after so long without a SYNC (default 2000, 0: never)\n"
+        "  --key FILE       POSE and COMMAND with a tag under the key, on CAN FD; forces without a\n"
+        "                   good one are not felt. 32 hex digits, mode 0600\n"
+        "  --classic-tags   with --key on classic CAN: a TAG after every fourth POSE instead\n"
+        "  --freshness FILE keeps where the lanes are, so that one key lasts for many sessions\n"
         "trouble, in thousandths of the poses: --drop N --repeat N --reorder N --corrupt N;\n"
         "  --freeze MS (silent from then on), --jump MS (corner to corner from then on),\n"
-        "  --flood HZ (frames besides), --seed N\n"
+        "  --flood HZ (frames besides; with --key also forged ones), --seed N\n"
         "\n"
         "exit: 0 good, 1 writing failed or the runtime fell silent, 2 wrong use or input\n",
         out);
@@ -114,7 +118,7 @@ static int run_script(const char *script_file, const char *out_file, const devic
 int cmd_hand(int argc, char **argv) {
   const char *out_file = NULL;
   const char *script_file = NULL;
-  hand_live_options live = {NULL, 0, 0, PATIENCE_MS};
+  hand_live_options live = {NULL, 0, 0, PATIENCE_MS, {NULL, NULL, 0}};
   device_trouble t = {0, 0, 0, 0, 0, 0, 0, 1};
   int rigid = 0;
   const option table[] = {
@@ -127,7 +131,10 @@ int cmd_hand(int argc, char **argv) {
       {"--freeze", NULL, &t.freeze_ms, NULL, 1, 3600000},
       {"--jump", NULL, &t.jump_ms, NULL, 1, 3600000},
       {"--flood", NULL, &live.flood_hz, NULL, 1, 100000},
-      {"--seed", NULL, &t.seed, NULL, 0, UINT32_MAX}};
+      {"--seed", NULL, &t.seed, NULL, 0, UINT32_MAX},
+      {"--key", &live.key.file, NULL, NULL, 0, 0},
+      {"--classic-tags", NULL, NULL, &live.key.classic_tags, 0, 0},
+      {"--freshness", &live.key.freshness, NULL, NULL, 0, 0}};
   const options_result wish =
       options_parse(argc, argv, table, sizeof table / sizeof table[0], &script_file);
   if (wish == OPTIONS_HELP) {
@@ -141,10 +148,12 @@ int cmd_hand(int argc, char **argv) {
   if (wish == OPTIONS_WRONG || !one_target || script_file == NULL) return EXIT_USAGE;
   const device_trouble none = {0, 0, 0, 0, 0, 0, 0, t.seed};
   if (out_file != NULL && (memcmp(&t, &none, sizeof t) != 0 || rigid || live.free_running ||
-                           live.flood_hz != 0 || live.patience_ms != PATIENCE_MS)) {
-    fprintf(stderr, "fray hand: trouble, --free, --rigid and --patience go with --can\n");
+                           live.flood_hz != 0 || live.patience_ms != PATIENCE_MS ||
+                           live.key.file != NULL)) {
+    fprintf(stderr, "fray hand: trouble, --free, --rigid, --patience and --key go with --can\n");
     return EXIT_USAGE;
   }
+  if (!bus_key_check("hand", &live.key, live.interface != NULL)) return EXIT_USAGE;
   t.rigid = (uint32_t)rigid;
   return run_script(script_file, out_file, &t, &live);
 }

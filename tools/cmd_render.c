@@ -18,7 +18,7 @@ enum { DEFAULT_FRAMES = 8 };
 enum { SIDE_MIN = 64, SIDE_MAX = 4096 };
 
 typedef struct {
-  const char *file, *log, *folder;
+  const char *file, *log, *key, *folder;
   const char *at;      /* list of times */
   double every_s;      /* 0: not given */
   double length_s;     /* 0: not given */
@@ -41,6 +41,7 @@ static void print_usage(FILE *out) {
         "Runs a scene or image and writes DIR/frame_<ticks>.png and DIR/sheet.png (all of them).\n"
         "\n"
         "  --log IN.log          the inputs: a device log or a recording (candump -L)\n"
+        "  --key FILE            of a recording under a key\n"
         "  --instance N          which runtime in the log, 0 to 7 (default 0)\n"
         "  --at 0.5s,1s,2500ms   times of the pictures\n"
         "  --every 100ms         or: one at the start and every so often\n"
@@ -224,7 +225,7 @@ int cmd_render(int argc, char **argv) {
       {"--at", &o.at, NULL, NULL, 0, 0},    {"--every", &every, NULL, NULL, 0, 0},
       {"--for", &length, NULL, NULL, 0, 0}, {"--size", &size, NULL, NULL, 0, 0},
       {"--view", &view, NULL, NULL, 0, 0},  {"--strain", NULL, NULL, &o.strain, 0, 0},
-      {"-o", &o.folder, NULL, NULL, 0, 0}};
+      {"-o", &o.folder, NULL, NULL, 0, 0},  {"--key", &o.key, NULL, NULL, 0, 0}};
   const options_result wish =
       options_parse(argc, argv, table, sizeof table / sizeof table[0], &o.file);
   if (wish == OPTIONS_HELP) {
@@ -235,7 +236,7 @@ int cmd_render(int argc, char **argv) {
     fprintf(stderr, "fray render: expected a scene or an image; fray render --help tells more\n");
   if (wish == OPTIONS_WRONG || o.file == NULL || !parse_options(&o, every, length, size, view))
     return EXIT_USAGE;
-  const int opened = session_open(&job.s, o.file, o.log, o.instance);
+  const int opened = session_open(&job.s, o.file, o.log, o.key, o.instance);
   if (opened != 0) return opened;
   const int code = render_world(&job);
   session_close(&job.s);

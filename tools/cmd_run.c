@@ -23,6 +23,7 @@ typedef struct {
   const char *file, *log, *record, *report, *save, *can;
   uint32_t ticks, instance, priority, cpu;
   int realtime;
+  bus_key_options key;
 } run_options;
 
 typedef struct {
@@ -52,7 +53,13 @@ static void print_usage(FILE *out) {
           "  --can IFACE      runs on a SocketCAN interface until --ticks or SIGINT;\n"
           "                   --record then logs everything that passes on the bus\n"
           "  --realtime       SCHED_FIFO (--priority N, default 80) and locked memory\n"
-          "  --cpu N          pins the process to a CPU\n\n"
+          "  --cpu N          pins the process to a CPU\n"
+          "  --key FILE       with --can: takes and sends POSE, COMMAND, FORCE, ACK with a tag\n"
+          "                   under this key only, on CAN FD; with --log: of such a recording.\n"
+          "                   32 hex digits, mode 0600\n"
+          "  --classic-tags   with --key on classic CAN: wants a TAG after every fourth POSE;\n"
+          "                   three bad ones in a row take it to SAFE until RESET\n"
+          "  --freshness FILE keeps where the lanes are, so that one key lasts for many sessions\n\n"
           "The last line is `hash <16 hex> ticks <n> tears <n> pieces <n> faults <n>`.\n\n"
           "exit: 0 good, 1 the run failed, 2 wrong use or unreadable input\n",
           DEFAULT_TICKS);
@@ -204,7 +211,7 @@ static void print_end(const run_job *j, const piece *pieces, uint32_t count) {
 static int run_live(run_job *j) {
   const run_options *o = j->o;
   const live_options live = {o->can,      o->record,   o->instance, o->ticks,
-                             o->realtime, o->priority, o->cpu};
+                             o->realtime, o->priority, o->cpu, o->key};
   piece pieces[8];
   const int code = live_run(j->s.opened.world, &live, &j->last);
   if (code == 2 || (o->save != NULL && !save(j))) return code == 2 ? 2 : 1;
@@ -225,7 +232,7 @@ static int finish(run_job *j) {
 }
 
 static int run_all(run_job *j) {
-  const int code = session_open(&j->s, j->o->file, j->o->log, j->o->instance);
+  const int code = session_open(&j->s, j->o->file, j->o->log, j->o->key.file, j->o->instance);
   if (code != 0) return code;
   int result;
   if (j->o->can != NULL)
@@ -254,7 +261,10 @@ int cmd_run(int argc, char **argv) {
       {"--save", &o.save, NULL, NULL, 0, 0},     {"--instance", NULL, &o.instance, NULL, 0, 7},
       {"--can", &o.can, NULL, NULL, 0, 0},       {"--realtime", NULL, NULL, &o.realtime, 0, 0},
       {"--priority", NULL, &o.priority, NULL, 1, 99},
-      {"--cpu", NULL, &o.cpu, NULL, 0, 1023}};
+      {"--cpu", NULL, &o.cpu, NULL, 0, 1023},
+      {"--key", &o.key.file, NULL, NULL, 0, 0},
+      {"--classic-tags", NULL, NULL, &o.key.classic_tags, 0, 0},
+      {"--freshness", &o.key.freshness, NULL, NULL, 0, 0}};
   const options_result wish =
       options_parse(argc, argv, table, sizeof table / sizeof table[0], &o.file);
   int code = 2;
@@ -266,7 +276,9 @@ int cmd_run(int argc, char **argv) {
     fprintf(stderr, "fray run: --realtime, --priority and --cpu go with --can\n");
   } else if (o.can != NULL && (o.log != NULL || o.report != NULL)) {
     fprintf(stderr, "fray run: --can excludes --log and --report; render its recording instead\n");
-  } else if (wish == OPTIONS_GOOD && j != NULL) {
+  } else if (wish == OPTIONS_GOOD && o.key.file != NULL && o.can == NULL && o.log == NULL) {
+    fprintf(stderr, "fray run: --key goes with --can or --log\n");
+  } else if (wish == OPTIONS_GOOD && j != NULL && bus_key_check("run", &o.key, o.can != NULL)) {
     j->o = &o;
     code = run_all(j);
   }

@@ -11,12 +11,14 @@
 #include "tools/open.h"
 #include "tools/options.h"
 #include "tools/replay.h"
+#include "tools/unseal.h"
 
 enum { EXIT_SAME = 0, EXIT_DIFFERS = 1, EXIT_USAGE = 2 };
 
 typedef struct {
   const char *log_file;
   const char *scene_file;
+  const char *key_file;
   uint32_t instance;
   int cut;
 } options;
@@ -31,7 +33,7 @@ typedef struct {
 } verifier;
 
 static void print_usage(FILE *out) {
-  fputs("usage: fray verify RUN.log --scene X.scene|X.img [--instance N] [--cut]\n"
+  fputs("usage: fray verify RUN.log --scene X.scene|X.img [--instance N] [--cut] [--key FILE]\n"
         "\n"
         "Replays a recording (candump -L of the bus, with its SYNCs) and compares every tick:\n"
         "the hash in SYNC, and the FORCE, ACK and TEAR frames. Prints the first tick that\n"
@@ -41,6 +43,8 @@ static void print_usage(FILE *out) {
         "  --instance N   which runtime on the bus, 0 to 7 (default 0)\n"
         "  --cut          the recording was broken off (kill -9, power): leaves out half a last\n"
         "                 line and what stands behind the last SYNC\n"
+        "  --key FILE     of a recording under a key: frames without a good tag are no input, and\n"
+        "                 are named with their line\n"
         "\n"
         "exit: 0 the same, 1 differs or the recording is not complete, 2 wrong use or input\n",
         out);
@@ -148,7 +152,7 @@ static int compare_all(verifier *v, const char *file) {
   return EXIT_SAME;
 }
 
-static int verify_world(const options *o, const candump_log *log, struct opened *opened) {
+static int verify_world(const options *o, candump_log *log, struct opened *opened) {
   candump_error error;
   replay run;
   const fray_facts facts = fray_describe(opened->world);
@@ -159,6 +163,7 @@ static int verify_world(const options *o, const candump_log *log, struct opened 
             o->instance);
     return EXIT_USAGE;
   }
+  if (!unseal_log(o->log_file, log, o->key_file, o->instance, facts.hands, stderr)) return EXIT_USAGE;
   if (!replay_read(o->log_file, log, &setting, &run, &error)) {
     candump_print_error(stderr, &error);
     return EXIT_DIFFERS;
@@ -191,8 +196,9 @@ int cmd_verify(int argc, char **argv) {
   memset(&o, 0, sizeof o);
   const option table[] = {{"--scene", &o.scene_file, NULL, NULL, 0, 0},
                           {"--instance", NULL, &o.instance, NULL, 0, 7},
+                          {"--key", &o.key_file, NULL, NULL, 0, 0},
                           {"--cut", NULL, NULL, &o.cut, 0, 0}};
-  const options_result wish = options_parse(argc, argv, table, 3, &o.log_file);
+  const options_result wish = options_parse(argc, argv, table, 4, &o.log_file);
   if (wish == OPTIONS_HELP) {
     print_usage(stdout);
     return EXIT_SAME;

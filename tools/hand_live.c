@@ -19,6 +19,7 @@ typedef struct {
   const hand_live_options *o;
   const script *script;
   device device;
+  bus_key *key; /* NULL: the bus is plain */
   can_socket can;
   timer_grid timer;
   int64_t last_sync_ns, flood_next_ns;
@@ -32,15 +33,32 @@ static void ask_to_stop(int signal_number) {
   asked_to_stop = 1;
 }
 
+static void send_frame(hand_live *l, const frame *f) {
+  if (can_send(&l->can, f))
+    ++l->sent;
+  else
+    ++l->refused;
+}
+
 static void send_step(hand_live *l) {
   frame frames[DEVICE_FRAMES];
+  frame tag;
   const uint32_t count = device_step(&l->device, frames);
   for (uint32_t n = 0; n < count; ++n) {
-    if (can_send(&l->can, &frames[n]))
-      ++l->sent;
-    else
+    if (l->key != NULL && !guard_seal(&l->key->g, &frames[n])) {
       ++l->refused;
+      continue;
+    }
+    send_frame(l, &frames[n]);
+    if (l->key != NULL && guard_tag(&l->key->g, &frames[n], &tag)) send_frame(l, &tag);
   }
+}
+
+/* What came, as the device is to see it; NULL: not at all. */
+static const frame *listen_to(hand_live *l, const frame *f, frame *plain) {
+  if (l->key == NULL) return f;
+  guard_tick(&l->key->g);
+  return guard_take(&l->key->g, f, plain);
 }
 
 /* A SYNC that is sent again, unchanged, is answered once. */
@@ -53,15 +71,25 @@ static void answer_sync(hand_live *l, const codec_sync *sync) {
 }
 
 static void read_all(hand_live *l) {
-  frame f;
+  frame f, plain;
   int64_t time_us;
   codec_sync sync;
   can_event event;
   while ((event = can_receive(&l->can, &f, &time_us)) != CAN_NOTHING) {
-    if (event != CAN_RECEIVED) continue;
-    device_feel(&l->device, &f);
-    if (codec_decode_sync(&f, l->script->instance, &sync) == CODEC_OK) answer_sync(l, &sync);
+    const frame *heard = event == CAN_RECEIVED ? listen_to(l, &f, &plain) : NULL;
+    if (heard == NULL) continue;
+    device_feel(&l->device, heard);
+    if (codec_decode_sync(heard, l->script->instance, &sync) == CODEC_OK) answer_sync(l, &sync);
   }
+}
+
+/* As a protected POSE that could be the next one, but for its tag. */
+static void forge(const hand_live *l, uint32_t bits, frame *f) {
+  if ((bits & 1u) == 0) return;
+  f->id = dictionary_id(dictionary_auth(MESSAGE_POSE_LEFT), l->script->instance);
+  f->fd = FRAME_FD | FRAME_FD_BRS;
+  f->length = DICTIONARY_LENGTH_AUTH;
+  for (uint32_t n = 8; n < f->length; ++n) f->data[n] = (uint8_t)(random_bits(bits, n) & 0xFFu);
 }
 
 /* Poses with a good look and a wrong CRC, and ids that nobody has. */
@@ -77,6 +105,7 @@ static void flood(hand_live *l) {
     for (uint32_t n = 0; n < 8; ++n) f.data[n] = (uint8_t)(random_bits(bits, n) & 0xFFu);
     fray_pose pose;
     if (codec_decode_pose(&f, l->script->instance, 0, &pose) == CODEC_OK) f.data[0] ^= 1u;
+    if (l->key != NULL && !l->o->key.classic_tags) forge(l, bits, &f);
     (void)can_send(&l->can, &f);
     l->flood_next_ns += 1000000000 / (int64_t)l->o->flood_hz;
   }
@@ -98,6 +127,7 @@ static int run(hand_live *l) {
       send_step(l);
     }
     if (fell_silent(l)) return 0;
+    if (l->key != NULL && !bus_key_tick(l->key)) return 1;
   }
   return 1;
 }
@@ -106,14 +136,38 @@ static int open_bus(hand_live *l) {
   can_setting setting;
   memset(&setting, 0, sizeof setting);
   const uint32_t instance = l->script->instance;
+  const int fd = l->key != NULL && !l->o->key.classic_tags;
   setting.ids[setting.count++] = (uint16_t)dictionary_id(MESSAGE_SYNC, instance);
-  for (uint32_t h = 0; h < FRAY_HANDS; ++h)
-    setting.ids[setting.count++] = (uint16_t)dictionary_id(dictionary_force(h), instance);
+  for (uint32_t h = 0; h < FRAY_HANDS; ++h) {
+    const dictionary_message force = dictionary_force(h);
+    setting.ids[setting.count++] = (uint16_t)dictionary_id(force, instance);
+    if (fd) setting.ids[setting.count++] = (uint16_t)dictionary_id(dictionary_auth(force), instance);
+  }
+  if (fd) setting.ids[setting.count++] = (uint16_t)dictionary_id(MESSAGE_ACK_AUTH, instance);
+  setting.fd = setting.sends_fd = fd;
   return can_open(&l->can, l->o->interface, &setting);
+}
+
+static int run_on_bus(hand_live *l) {
+  if (!open_bus(l)) return 2;
+  timer_begin(&l->timer, l->script->rate_hz);
+  l->last_sync_ns = l->flood_next_ns = timer_now_ns();
+  const int good = run(l);
+  can_close(&l->can);
+  printf("hand         %s: %u SYNCs, %u frames sent, %u refused, %u flooded\n", l->can.name,
+         l->syncs, l->sent, l->refused, l->flooded);
+  if (l->key != NULL) {
+    const char *why = bus_key_complaint(l->key);
+    bus_key_print(l->key, stdout);
+    if (why != NULL) fprintf(stderr, "%s: %s\n", l->can.name, why);
+  }
+  if (!good) fprintf(stderr, "%s: no SYNC for %u ms\n", l->o->interface, l->o->patience_ms);
+  return good ? 0 : 1;
 }
 
 int hand_live_run(const script *s, const device_trouble *trouble, const hand_live_options *o) {
   static hand_live l;
+  static bus_key key;
   struct sigaction action;
   memset(&l, 0, sizeof l);
   memset(&action, 0, sizeof action);
@@ -123,13 +177,9 @@ int hand_live_run(const script *s, const device_trouble *trouble, const hand_liv
   l.o = o;
   l.script = s;
   device_begin(&l.device, s, trouble);
-  if (!open_bus(&l)) return 2;
-  timer_begin(&l.timer, s->rate_hz);
-  l.last_sync_ns = l.flood_next_ns = timer_now_ns();
-  const int good = run(&l);
-  can_close(&l.can);
-  printf("hand         %s: %u SYNCs, %u frames sent, %u refused, %u flooded\n", l.can.name, l.syncs,
-         l.sent, l.refused, l.flooded);
-  if (!good) fprintf(stderr, "%s: no SYNC for %u ms\n", o->interface, o->patience_ms);
-  return good ? 0 : 1;
+  if (o->key.file == NULL) return run_on_bus(&l);
+  if (!bus_key_open(&key, &o->key, GUARD_DEVICE, s->instance, 0)) return 2;
+  l.key = &key;
+  const int code = run_on_bus(&l);
+  return bus_key_close(&key) || code != 0 ? code : 1;
 }

@@ -60,7 +60,7 @@ static void fade_out(loop *l) {
   }
 }
 
-static void print_bus(const loop *l) {
+static void print_bus(const loop *l, const bus_key *key) {
   const port_statistics *p = &l->in.statistics;
   const board *b = &linux_board;
   printf("bus          %s: accepted %u, repeated %u, old %u, lost %u, wrong CRC %u,\n"
@@ -72,17 +72,57 @@ static void print_bus(const loop *l) {
   printf("lateness     p50 %.0f us, p99 %.0f us, worst %.0f us; %u ticks missed\n",
          timer_quantile_us(&b->timer, 0.5), timer_quantile_us(&b->timer, 0.99),
          (double)b->timer.worst_ns / 1e3, l->overruns);
+  if (key == NULL) return;
+  bus_key_print(key, stdout);
+  if (l->unsealed != 0) printf("             not sent for want of freshness %u\n", l->unsealed);
 }
 
-static void run_ticks(loop *l, const live_options *o) {
+/* One word, and only while nothing of the other end is used: no force can be late for it. */
+static void complain(const bus_key *key, int *told) {
+  const char *why = *told ? NULL : bus_key_complaint(key);
+  if (why == NULL) return;
+  fprintf(stderr, "%s: %s\n", linux_board.can.name, why);
+  *told = 1;
+}
+
+static void run_ticks(loop *l, const live_options *o, bus_key *key) {
   uint32_t done = 0;
-  while (!asked_to_stop && (o->ticks == 0 || done < o->ticks))
+  int told = 0;
+  while (!asked_to_stop && (o->ticks == 0 || done < o->ticks)) {
     if (loop_run(l) == LOOP_TICKED) ++done;
+    if (key == NULL) continue;
+    complain(key, &told);
+    if (!bus_key_tick(key)) break;
+  }
   fade_out(l);
+}
+
+static int protect(loop *l, const live_options *o, bus_key *key) {
+  if (o->key.file == NULL) return 1;
+  const fray_facts f = fray_describe(l->world);
+  if (!bus_key_open(key, &o->key, GUARD_RUNTIME, o->instance, f.hands)) return 0;
+  loop_protect(l, &key->g);
+  return 1;
+}
+
+/* Returns the exit code. */
+static int run_on_board(loop *l, const live_options *o, bus_key *key, int log_fd) {
+  if (!prepare(o)) return 2;
+  const int fd = key != NULL && !o->key.classic_tags;
+  if (!board_open(o->interface, o->instance, fray_describe(l->world).rate_hz, fd, log_fd)) return 2;
+  /* only now: a wrong interface must not cost the last recording */
+  if (log_fd >= 0 && ftruncate(log_fd, 0) != 0) linux_board.log.lost = 1;
+  linux_board.log.write_at = LOG_WRITE;
+  run_ticks(l, o, key);
+  board_close(DRAIN_US);
+  print_bus(l, key);
+  return 0;
 }
 
 int live_run(fray_world *world, const live_options *o, fray_output *last) {
   static loop l;
+  static bus_key key_of_bus;
+  bus_key *key = o->key.file != NULL ? &key_of_bus : NULL;
   int log_fd = -1;
   if (o->record != NULL) {
     log_fd = open(o->record, O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
@@ -93,16 +133,11 @@ int live_run(fray_world *world, const live_options *o, fray_output *last) {
   }
   catch_signals();
   int code = 2;
-  if (prepare(o) && board_open(o->interface, o->instance, fray_describe(world).rate_hz, log_fd)) {
-    /* only now: a wrong interface must not cost the last recording */
-    if (log_fd >= 0 && ftruncate(log_fd, 0) != 0) linux_board.log.lost = 1;
-    linux_board.log.write_at = LOG_WRITE;
-    loop_begin(&l, world, o->instance);
-    run_ticks(&l, o);
-    board_close(DRAIN_US);
+  loop_begin(&l, world, o->instance);
+  if (protect(&l, o, key)) {
+    code = run_on_board(&l, o, key, log_fd);
     *last = l.output;
-    print_bus(&l);
-    code = 0;
+    if (key != NULL && !bus_key_close(key) && code == 0) code = 1;
   }
   const int closed = log_fd < 0 || close(log_fd) == 0;
   if (code != 0 || (closed && linux_board.log.lost == 0)) return code;

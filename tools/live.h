@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "rt/fray.h"
+#include "tools/bus_key.h"
 
 typedef struct {
   const char *interface;
@@ -15,13 +16,14 @@ typedef struct {
   int realtime;       /* SCHED_FIFO, locked memory */
   uint32_t priority;  /* 1..99 */
   uint32_t cpu;       /* LIVE_ANY_CPU: not pinned */
+  bus_key_options key;
 } live_options;
 
 enum { LIVE_ANY_CPU = 0xFFFF };
 
 /* Runs until the ticks are done or a signal asks to stop: then STOP goes over the bus, forces
  * fade to zero, and the log is flushed. Prints what happened on the bus. Returns the exit code:
- * 0 good, 1 the log could not be written, 2 the interface cannot be used. */
+ * 0 good, 1 log or freshness could not be written, 2 interface or key cannot be used. */
 int live_run(fray_world *world, const live_options *o, fray_output *last);
 
 #endif

@@ -3,12 +3,18 @@
 
 #include <string.h>
 
-static int read_log(session *s, const char *file, const char *path) {
+#include "tools/unseal.h"
+
+static int read_log(session *s, const char *file, const char *path, const char *key) {
   candump_log log;
   candump_error error;
   memset(&error, 0, sizeof error);
   if (!candump_load(path, &log, &error)) {
     candump_print_error(stderr, &error);
+    return 0;
+  }
+  if (!unseal_log(path, &log, key, s->instance, s->facts.hands, stderr)) {
+    candump_free(&log);
     return 0;
   }
   const replay_setting setting = {s->instance,
@@ -32,13 +38,14 @@ static int read_log(session *s, const char *file, const char *path) {
   return good;
 }
 
-int session_open(session *s, const char *file, const char *log, uint32_t instance) {
+int session_open(session *s, const char *file, const char *log, const char *key,
+                 uint32_t instance) {
   memset(s, 0, sizeof *s);
   s->instance = instance;
   const int code = world_open_file(file, &s->opened, stderr);
   if (code != 0) return code;
   s->facts = fray_describe(s->opened.world);
-  if (log != NULL && !read_log(s, file, log)) {
+  if (log != NULL && !read_log(s, file, log, key)) {
     world_close(&s->opened);
     return 2;
   }

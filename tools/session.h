@@ -13,9 +13,11 @@ typedef struct {
   uint32_t instance;
 } session;
 
-/* Opens a scene or image, and its log if `log` is not NULL. Returns 0, or 2 (the exit code) after
+/* Opens a scene or image, and its log if `log` is not NULL; `key` is the key file of a recording
+ * under a key, or NULL. Returns 0, or 2 (the exit code) after
  * a message to stderr; the session is then closed. */
-int session_open(session *s, const char *file, const char *log, uint32_t instance);
+int session_open(session *s, const char *file, const char *log, const char *key,
+                 uint32_t instance);
 /* The input of the n-th tick; nothing behind the end of the log. */
 const fray_input *session_input(const session *s, uint32_t n);
 void session_close(session *s);

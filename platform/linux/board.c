@@ -16,13 +16,14 @@ enum { READS_PER_SYNC = 1024, WAITS_PER_SYNC = 4096, QUIET_US = 5000, WAITS_TO_C
 
 board linux_board;
 
-int board_open(const char *interface, uint32_t instance, uint32_t rate_hz, int log_fd) {
+int board_open(const char *interface, uint32_t instance, uint32_t rate_hz, int fd, int log_fd) {
   can_setting setting;
   memset(&linux_board, 0, sizeof linux_board);
   memset(&setting, 0, sizeof setting);
   for (uint32_t m = 0; m < MESSAGES; ++m)
     setting.ids[setting.count++] = (uint16_t)dictionary_id((dictionary_message)m, instance);
   setting.fd = 1;
+  setting.sends_fd = fd;
   bus_log_begin(&linux_board.log, log_fd);
   if (!can_open(&linux_board.can, interface, &setting)) return 0;
   timer_begin(&linux_board.timer, rate_hz);

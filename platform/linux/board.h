@@ -20,9 +20,10 @@ typedef struct {
 /* The one board of the process. */
 extern board linux_board;
 
-/* Opens interface and timer for one instance. `log_fd` is an open file or -1, and stays the
- * caller's. Returns 1, or 0 after a message to stderr. */
-int board_open(const char *interface, uint32_t instance, uint32_t rate_hz, int log_fd);
+/* Opens interface and timer for one instance. `fd`: CAN FD frames will be sent, so the interface
+ * must take them. `log_fd` is an open file or -1, and stays the caller's. Returns 1, or 0 after a
+ * message to stderr. */
+int board_open(const char *interface, uint32_t instance, uint32_t rate_hz, int fd, int log_fd);
 /* Reads and logs what is still coming back, at most `timeout_us`, then closes. */
 void board_close(int64_t timeout_us);
 

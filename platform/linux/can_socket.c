@@ -46,21 +46,34 @@ static int set_options(const can_socket *s, const can_setting *setting) {
          setsockopt(s->fd, SOL_SOCKET, SO_TIMESTAMP, &on, sizeof on);
 }
 
+/* Where the interface is, and that it takes what will be sent. */
+static int find_interface(can_socket *s, const can_setting *setting, int *index) {
+  struct ifreq request;
+  memset(&request, 0, sizeof request);
+  snprintf(request.ifr_name, sizeof request.ifr_name, "%s", s->name);
+  if (ioctl(s->fd, SIOCGIFINDEX, &request) != 0)
+    return refuse(s, "no such interface", "; expected one that `ip link show type can` lists");
+  *index = request.ifr_ifindex;
+  if (!setting->sends_fd) return 1;
+  if (ioctl(s->fd, SIOCGIFMTU, &request) == 0 && request.ifr_mtu >= (int)CANFD_MTU) return 1;
+  fprintf(stderr,
+          "%s: takes classic frames only (mtu %d), expected CAN FD, mtu 72: ip link set IFACE mtu 72, "
+          "of a controller also `type can ... dbitrate N fd on`\n",
+          s->name, request.ifr_mtu);
+  can_close(s);
+  return 0;
+}
+
 int can_open(can_socket *s, const char *interface, const can_setting *setting) {
   struct sockaddr_can address;
-  struct ifreq request;
   memset(s, 0, sizeof *s);
   memset(&address, 0, sizeof address);
-  memset(&request, 0, sizeof request);
   snprintf(s->name, sizeof s->name, "%s", interface);
-  snprintf(request.ifr_name, sizeof request.ifr_name, "%s", interface);
   s->fd = socket(PF_CAN, SOCK_RAW, CAN_RAW);
   if (s->fd < 0)
     return refuse(s, "no CAN socket", "; expected a kernel with CAN (modprobe can_raw)");
-  if (ioctl(s->fd, SIOCGIFINDEX, &request) != 0)
-    return refuse(s, "no such interface", "; expected one that `ip link show type can` lists");
+  if (!find_interface(s, setting, &address.can_ifindex)) return 0;
   address.can_family = AF_CAN;
-  address.can_ifindex = request.ifr_ifindex;
   if (set_filters(s, setting) != 0 || set_options(s, setting) != 0)
     return refuse(s, "a socket option was refused", "");
   if (bind(s->fd, (const struct sockaddr *)&address, sizeof address) != 0)

@@ -25,6 +25,7 @@ typedef struct {
   uint16_t ids[CAN_SOCKET_FILTERS]; /* 11-bit ids to receive; count 0: everything */
   uint32_t count;
   int fd;                           /* 1: CAN FD frames too */
+  int sends_fd;                     /* 1: refuse an interface that does not send CAN FD */
 } can_setting;
 
 typedef enum {

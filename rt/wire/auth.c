@@ -41,6 +41,7 @@ void auth_lane_init(auth_lane *lane, const cmac_key *key, dictionary_message mes
   lane->plain_id = form == MESSAGES ? nothing : dictionary_id(message, instance);
   lane->id = form == MESSAGES ? nothing : dictionary_id(form, instance);
   lane->last = last;
+  lane->most = message == MESSAGE_COMMAND && last < AUTH_OWN ? AUTH_OWN - 1u : UINT32_MAX;
 }
 
 static auth_reason auth_check_frame(const frame *f, uint32_t id, uint32_t length) {
@@ -62,7 +63,7 @@ auth_reason auth_seal(auth_lane *lane, frame *f) {
   uint8_t tag[CMAC_BLOCK];
   const auth_reason reason = auth_check_frame(f, lane->plain_id, PLAIN);
   if (reason != AUTH_OK) return reason;
-  if (lane->last == UINT32_MAX) return AUTH_SPENT;
+  if (lane->last >= lane->most) return AUTH_SPENT;
   lane->last += 1;
   f->id = lane->id;
   f->fd = FRAME_FD | FRAME_FD_BRS;
@@ -92,7 +93,7 @@ auth_reason auth_open(auth_lane *lane, const frame *f, frame *out) {
     return reason;
   }
   const uint32_t freshness = bytes_load32(f->data + FRESHNESS_AT);
-  if (freshness <= lane->last) {
+  if (freshness <= lane->last || freshness > lane->most) {
     auth_count(&lane->old, 1);
     return AUTH_OLD;
   }
@@ -125,6 +126,7 @@ void auth_group_init(auth_group *group, const cmac_key *key, uint32_t instance, 
   group->pose_id = dictionary_id(dictionary_pose(hand), instance);
   group->tag_id = dictionary_id(dictionary_tag(hand), instance);
   group->last = last;
+  group->most = UINT32_MAX;
 }
 
 static void auth_group_hold(auth_group *group, const frame *pose) {
@@ -147,7 +149,7 @@ int auth_group_add(auth_group *group, const frame *pose, frame *tag) {
   auth_group_hold(group, pose);
   if (group->held < AUTH_GROUP) return 0;
   group->held = 0;
-  if (group->last == UINT32_MAX) return 0;
+  if (group->last >= group->most) return 0;
   group->last += 1;
   auth_tag_classic(group, group->last, whole);
   bytes_zero(tag, sizeof *tag);

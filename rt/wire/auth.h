@@ -15,6 +15,9 @@
  * and never wraps: after 2^32 - 1 a lane is spent and needs another key. A receiver takes
  *   FD: every freshness above the last accepted one;
  *   classic: the smallest one above it with these low 16 bits, so 1 to 65536 above.
+ * COMMAND has two senders, and so two lanes under its id: the operator's freshness is below
+ * AUTH_OWN, that of the runtime's own COMMANDs (HALT, STOP) above; what the runtime said never
+ * comes back to it as an operator's word.
  * What is accepted is never accepted again under its key. After a reset both ends must go on
  * above what was used: with a new key, or from a stored `last` (README.md, "Freshness and resets").
  *
@@ -37,12 +40,14 @@ enum {
   AUTH_LEVEL_MAX = AUTH_FAILURES_MAX * AUTH_FAILURE
 };
 
+#define AUTH_OWN UINT32_C(0x80000000)
+
 typedef enum {
   AUTH_OK = 0,
   AUTH_ID,     /* not of this lane */
   AUTH_FLAGS,  /* a remote request or an error frame */
   AUTH_LENGTH, /* not 20 bytes of CAN FD; to auth_seal(): not 8 bytes */
-  AUTH_OLD,    /* a freshness that is not above the last: a replay */
+  AUTH_OLD,    /* a freshness that is not above the last: a replay; or above the lane's most */
   AUTH_FORGED, /* the tag does not fit */
   AUTH_SPENT   /* no freshness is left under this key */
 } auth_reason;
@@ -55,6 +60,7 @@ typedef struct {
   const cmac_key *key;
   uint32_t plain_id, id;
   uint32_t last;     /* freshness last sent or accepted; what a device stores */
+  uint32_t most;     /* none above it; a sender that stores ahead sets it to what is stored */
   uint32_t accepted; /* or sealed */
   uint32_t lost;     /* freshness skipped before an accepted one */
   uint32_t old;
@@ -63,7 +69,8 @@ typedef struct {
 } auth_lane;
 
 /* `message`: COMMAND, ACK, POSE_ or FORCE_; a lane of any other takes no frame. The key must
- * outlive the lane. `last`: where this end was under this key, 0 if it is new. */
+ * outlive the lane. `last`: where this end was under this key, 0 if it is new; of a COMMAND,
+ * AUTH_OWN and above is the runtime's own lane, and below it the operator's. */
 void auth_lane_init(auth_lane *lane, const cmac_key *key, dictionary_message message,
                     uint32_t instance, uint32_t last);
 
@@ -84,6 +91,7 @@ typedef struct {
   const cmac_key *key;
   uint32_t pose_id, tag_id;
   uint32_t last; /* freshness of the last TAG sent or accepted; what a device stores */
+  uint32_t most; /* as of a lane */
   uint32_t held;
   uint8_t poses[AUTH_GROUP][DICTIONARY_LENGTH];
 } auth_group;

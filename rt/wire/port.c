@@ -29,7 +29,7 @@ static uint32_t port_lane(const port *p, const frame *f) {
   }
 }
 
-void port_push(port *p, const frame *f) {
+static void port_push_plain(port *p, const frame *f) {
   const uint32_t lane = port_lane(p, f);
   if (lane == LANES) {
     port_count(&p->statistics.unknown_id, 1);
@@ -49,6 +49,19 @@ void port_push(port *p, const frame *f) {
   item->lane = (uint8_t)lane;
   item->waits = 0;
   bytes_copy(item->data, f->data, sizeof item->data);
+}
+
+static void port_push_guarded(port *p, const frame *f) {
+  frame plain;
+  const frame *use = guard_take(p->guard, f, &plain);
+  if (use != 0) port_push_plain(p, use);
+}
+
+void port_push(port *p, const frame *f) {
+  if (GUARD_SET(p->guard))
+    port_push_guarded(p, f);
+  else
+    port_push_plain(p, f);
 }
 
 /* 1 iff the counter differs from the last one. */

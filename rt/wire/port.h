@@ -15,6 +15,7 @@
 
 #include "rt/fray.h"
 #include "rt/wire/codec.h"
+#include "rt/wire/guard.h"
 #include "rt/wire/queue.h"
 #include "rt/wire/sequence.h"
 
@@ -43,6 +44,7 @@ typedef struct {
   uint8_t hands;         /* bit h: hand h is in use */
   uint8_t command;       /* counter of the last COMMAND accepted */
   sequence pose[FRAY_HANDS];
+  guard *guard;          /* the caller's, set after port_init(); NULL: frames are plain */
   queue waiting;
   port_statistics statistics;
 } port;
@@ -52,7 +54,7 @@ typedef struct {
  * a save; NULL: zeros, a world at tick 0. */
 void port_init(port *p, uint32_t instance, uint32_t hands, const uint8_t *consumed);
 
-/* Takes a frame from the bus. Cost: constant. */
+/* Takes a frame from the bus, through the guard if there is one. Cost: constant, and the guard's. */
 void port_push(port *p, const frame *f);
 
 /* The input of the next tick. What does not fit (a second COMMAND; a ninth POSE of a hand, or one
