@@ -106,12 +106,12 @@ static int is_due(const freshness *s) {
   return 0;
 }
 
-static int has_moved(const freshness *s, uint32_t *seen) {
+static int has_moved(freshness *s) {
   int moved = 0;
   for (uint32_t n = 0; n < s->count; ++n) {
     const uint32_t used = atomic_load(&s->lanes[n].used);
-    moved |= used != seen[n];
-    seen[n] = used;
+    moved |= used != s->lanes[n].seen;
+    s->lanes[n].seen = used;
   }
   return moved;
 }
@@ -119,13 +119,12 @@ static int has_moved(const freshness *s, uint32_t *seen) {
 static void *run_writer(void *context) {
   freshness *s = context;
   const struct timespec pause = {0, POLL_MS * 1000000L};
-  uint32_t seen[GUARD_LANES] = {0};
-  (void)has_moved(s, seen);
   for (int waited_ms = 0; !atomic_load(&s->stop); waited_ms += POLL_MS) {
     (void)nanosleep(&pause, NULL);
-    if (waited_ms < FRESHNESS_EVERY_MS && !is_due(s)) continue;
+    const int due = is_due(s);
+    if (waited_ms < FRESHNESS_EVERY_MS && !due) continue;
     waited_ms = 0;
-    if (has_moved(s, seen) || atomic_load(&s->failed) != 0) (void)store_ahead(s);
+    if (has_moved(s) || due || atomic_load(&s->failed) != 0) (void)store_ahead(s);
   }
   return NULL;
 }
@@ -198,6 +197,7 @@ static int check_lanes(freshness *s, candump_error *error) {
     const uint32_t last = *l->lane.last;
     atomic_init(&l->used, last);
     atomic_init(&l->allowed, last);
+    l->seen = last;
     if (last > l->end || (l->lane.sends && last == l->end)) {
       return candump_fail(error, s->file, 0, 0,
                           "no freshness is left under this key, expected a new key and a new file");

@@ -27,6 +27,7 @@ typedef struct {
   uint32_t end;             /* its highest freshness */
   _Atomic uint32_t used;    /* as of the last exchange */
   _Atomic uint32_t allowed; /* a sender's: what the file says */
+  uint32_t seen;            /* the writer's: used, as of the last look */
 } freshness_lane;
 
 typedef struct {

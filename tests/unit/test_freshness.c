@@ -1,0 +1,223 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#define _POSIX_C_SOURCE 200809L
+#include "platform/linux/freshness.h"
+
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "rt/wire/codec.h"
+#include "tests/lib/test.h"
+
+static const uint8_t KEY_BYTES[16] = {0x2b, 0x7e, 0x15, 0x16, 0x28, 0xae, 0xd2, 0xa6,
+                                      0xab, 0xf7, 0x15, 0x88, 0x09, 0xcf, 0x4f, 0x3c};
+static const uint8_t OTHER_BYTES[16] = {1};
+static cmac_key key, other_key;
+static char folder[] = "/tmp/fray_freshness_XXXXXX";
+static char path[64], fresh[80];
+static freshness store;
+static guard g;
+static candump_error error;
+
+static int begin_with(const cmac_key *k, guard_form form, guard_end end) {
+  memset(&error, 0, sizeof error);
+  guard_init(&g, k, form, end, 0, 3);
+  return freshness_open(&store, path, &g, k, &error);
+}
+
+static int begin(void) { return begin_with(&key, GUARD_FD, GUARD_DEVICE); }
+
+static uint32_t seal(uint32_t times) {
+  uint32_t sealed = 0;
+  for (uint32_t n = 0; n < times; ++n) {
+    frame f;
+    const fray_pose pose = {0, 0, 0, (uint8_t)(n & 15u), 0};
+    codec_encode_pose(&f, 0, 0, &pose);
+    sealed += (uint32_t)guard_seal(&g, &f);
+  }
+  return sealed;
+}
+
+static char *text(void) {
+  static char buffer[1024];
+  FILE *in = fopen(path, "rb");
+  memset(buffer, 0, sizeof buffer);
+  if (in == NULL) return buffer;
+  (void)!fread(buffer, 1, sizeof buffer - 1, in);
+  fclose(in);
+  return buffer;
+}
+
+static void put(const char *words) {
+  FILE *out = fopen(path, "wb");
+  if (out == NULL || fputs(words, out) < 0 || fclose(out) != 0) exit(1);
+}
+
+static void until_allowed(uint32_t most) {
+  const struct timespec pause = {0, 20000000};
+  for (int n = 0; n < 500 && g.out[1].most != most; ++n) {
+    freshness_exchange(&store);
+    (void)nanosleep(&pause, NULL);
+  }
+}
+
+/* The tag of this text is from `openssl mac -cipher AES-128-CBC ... CMAC`. */
+static void a_new_file(void) {
+  unlink(path);
+  CHECK(begin());
+  CHECK_EQ_INT(store.is_new, 1);
+  CHECK_EQ_INT(g.out[1].most, 10000);
+  CHECK(strncmp(text(), "fray freshness 1\ndevice fd instance 0\naccepted 021 0\naccepted 189 0\n"
+                        "accepted 18A 0\nsent 020 10000\nsent 109 10000\nsent 10A 10000\ntag ", 122) == 0);
+  struct stat status;
+  CHECK(stat(path, &status) == 0 && (status.st_mode & 0777) == 0600);
+  CHECK_EQ_INT(seal(7), 7);
+  CHECK(freshness_close(&store));
+  CHECK_TEXT(text(), "fray freshness 1\ndevice fd instance 0\naccepted 021 0\naccepted 189 0\n"
+                     "accepted 18A 0\nsent 020 0\nsent 109 7\nsent 10A 0\n"
+                     "tag 3387414BCEC670AA1235433EB304A6F4\n");
+  CHECK(access(fresh, F_OK) != 0);
+}
+
+static void a_clean_end_goes_on(void) {
+  CHECK(begin());
+  CHECK_EQ_INT(store.is_new, 0);
+  CHECK_EQ_INT(g.out[1].last, 7);
+  CHECK_EQ_INT(g.out[1].most, 10007);
+  g.in[1].last = 123;
+  CHECK(freshness_close(&store));
+  CHECK(begin());
+  CHECK_EQ_INT(g.in[1].last, 123);
+  CHECK(freshness_close(&store));
+}
+
+/* Nothing above what the file says is sent; the writer goes ahead. */
+static void a_sender_waits_for_its_store(void) {
+  CHECK(begin());
+  CHECK_EQ_INT(seal(20000), 10000);
+  until_allowed(20007);
+  CHECK_EQ_INT(g.out[1].most, 20007);
+  CHECK(strstr(text(), "sent 109 20007\n") != NULL);
+  CHECK_EQ_INT(seal(20000), 10000);
+  CHECK(freshness_close(&store));
+}
+
+/* kill -9 at any moment: what was sent is never sent again, the file is whole. */
+static void after_a_kill(void) {
+  for (int round = 0; round < 20; ++round) {
+    int way[2];
+    uint32_t sent = 0, last = 0;
+    if (pipe(way) != 0) exit(1);
+    const pid_t child = fork();
+    if (child == 0) {
+      const struct timespec pause = {0, 200000};
+      if (!begin()) _exit(1);
+      for (;;) {
+        (void)seal(50);
+        freshness_exchange(&store);
+        if (write(way[1], &g.out[1].last, 4) != 4) _exit(1);
+        (void)nanosleep(&pause, NULL);
+      }
+    }
+    const struct timespec life = {0, 5000000 + round * 7000000};
+    close(way[1]);
+    (void)nanosleep(&life, NULL);
+    (void)kill(child, SIGKILL);
+    (void)waitpid(child, NULL, 0);
+    while (read(way[0], &last, 4) == 4) sent = last;
+    close(way[0]);
+    CHECK(begin());
+    CHECK(g.out[1].last >= sent);
+    CHECK(freshness_close(&store));
+  }
+}
+
+static void files_that_do_not_fit(void) {
+  char good[1024];
+  unlink(path);
+  CHECK(begin() && freshness_close(&store));
+  memcpy(good, text(), sizeof good);
+  CHECK(!begin_with(&other_key, GUARD_FD, GUARD_DEVICE));
+  CHECK(strstr(error.message, "was written under another key, or altered") != NULL);
+  CHECK(!begin_with(&key, GUARD_FD, GUARD_RUNTIME));
+  CHECK(strstr(error.message, "not of this end of the bus, expected 'runtime fd instance 0'") != NULL);
+  CHECK(!begin_with(&key, GUARD_CLASSIC, GUARD_DEVICE));
+  CHECK(strstr(error.message, "expected 'device classic instance 0'") != NULL);
+  CHECK_TEXT(text(), good); /* what was refused is left alone */
+  char *number = strstr(good, "sent 109 0");
+  CHECK(number != NULL);
+  if (number != NULL) number[9] = '1';
+  put(good);
+  CHECK(!begin());
+  for (size_t bytes = 0; bytes < strlen(good); bytes += 13) {
+    good[strlen(good) - 1] = 0;
+    put(good);
+    CHECK(!begin());
+  }
+  put("");
+  CHECK(!begin());
+  put("4294967295\n4294967295\n4294967296 9999999999999999999999\n\n\n\n\n\n\n\n");
+  CHECK(!begin());
+}
+
+static void a_spent_key(void) {
+  unlink(path);
+  CHECK(begin());
+  g.out[2].last = UINT32_MAX;
+  CHECK(freshness_close(&store));
+  CHECK(!begin());
+  CHECK_TEXT(error.message, "no freshness is left under this key, expected a new key and a new file");
+  unlink(path);
+  CHECK(begin());
+  g.out[0].last = AUTH_OWN - 5; /* the operator's half of COMMAND */
+  CHECK(freshness_close(&store));
+  CHECK(begin());
+  CHECK_EQ_INT(g.out[0].most, AUTH_OWN - 1);
+  CHECK(freshness_close(&store));
+}
+
+static void what_cannot_be_written(void) {
+  char words[64];
+  snprintf(words, sizeof words, "%s", path);
+  snprintf(path, sizeof path, "%s/no/such", folder);
+  CHECK(!begin());
+  CHECK_TEXT(error.message, "cannot be written: No such file or directory");
+  snprintf(path, sizeof path, "%s", words);
+  unlink(path);
+  CHECK(begin());
+  (void)rmdir(fresh);
+  CHECK(mkdir(fresh, 0700) == 0); /* from now on the new file cannot be opened */
+  (void)seal(6000);
+  const struct timespec pause = {0, 20000000};
+  for (int n = 0; n < 500 && freshness_failed(&store) == 0; ++n) {
+    freshness_exchange(&store);
+    (void)nanosleep(&pause, NULL);
+  }
+  CHECK(freshness_failed(&store) != 0);
+  CHECK_EQ_INT(seal(20000), 4000); /* as far as the file says */
+  CHECK(!freshness_close(&store));
+  rmdir(fresh);
+  CHECK(begin());
+  CHECK_EQ_INT(g.out[1].last, 10000);
+  CHECK(freshness_close(&store));
+}
+
+int main(void) {
+  if (mkdtemp(folder) == NULL) return 1;
+  snprintf(path, sizeof path, "%s/lanes", folder);
+  snprintf(fresh, sizeof fresh, "%s.new", path);
+  cmac_key_init(&key, KEY_BYTES);
+  cmac_key_init(&other_key, OTHER_BYTES);
+  TEST(a_new_file);
+  TEST(a_clean_end_goes_on);
+  TEST(a_sender_waits_for_its_store);
+  TEST(after_a_kill);
+  TEST(files_that_do_not_fit);
+  TEST(a_spent_key);
+  TEST(what_cannot_be_written);
+  unlink(path);
+  rmdir(folder);
+  return test_end();
+}
