@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # sessions.sh [NAME...]: live sessions on vcan0, to be run where guest.sh runs them (root, vcan0 up).
-# NAME: twenty play stop flood kill trouble flap lateness interop (all of them by default), and in
+# NAME: twenty play stop flood kill trouble flap lateness interop key tags stranger (all of them by default), and in
 # QEMU controllers or unpinned. A `figure` line says what was measured, a check what must hold;
 # no check is about the machine's speed. README.md says more.
 . tests/lib/suite.sh
@@ -459,8 +459,9 @@ test_unpinned() {
   figure "vcan, queues as they come, $rate Hz: 12 logs, $good verified with the run's hash, $refused refused; another order in $differ of 6, torn in $torn"
 }
 
+. $here/auth.sh
 make_scene $rate $substeps
-for name in ${*:-twenty play stop flood kill trouble flap lateness interop}; do
+for name in ${*:-twenty play stop flood kill trouble flap lateness interop $auth_tests}; do
   began=$(date +%s)
   "test_$name"
   echo "  took $name $(($(date +%s) - began)) s"
