@@ -3,6 +3,7 @@
  * alter mend IMAGE BIT            the same, and the image's CRC put right
  * alter pose LOG TICK HAND AXIS   the lowest bit of one axis of the newest POSE before SYNC TICK,
  *                                 and its E2E check put right
+ * alter seal LOG KEY               a plain log as one that was recorded under the key of a file
  * Damage that a test wants, exactly. exit: 0 written, 2 wrong use. */
 #include <inttypes.h>
 #include <stdio.h>
@@ -14,6 +15,8 @@
 #include "rt/model/image.h"
 #include "rt/wire/codec.h"
 #include "rt/wire/dictionary.h"
+#include "rt/wire/guard.h"
+#include "tools/bus_key.h"
 #include "tools/open.h"
 
 static int flip(const char *path, size_t bit, int mend) {
@@ -65,6 +68,28 @@ static int alter_pose(const char *path, uint32_t tick, uint32_t hand, uint32_t a
   return at >= 0 && fflush(stdout) == 0 ? 0 : 2;
 }
 
+/* All COMMANDs are an operator's. */
+static int seal(const char *path, const char *key_file) {
+  candump_log log;
+  candump_error error;
+  cmac_key key;
+  guard runtime, device;
+  if (!bus_key_read(key_file, &key)) return 2;
+  if (!candump_load(path, &log, &error)) {
+    candump_print_error(stderr, &error);
+    return 2;
+  }
+  guard_init(&runtime, &key, GUARD_FD, GUARD_RUNTIME, 0, 3);
+  guard_init(&device, &key, GUARD_FD, GUARD_DEVICE, 0, 3);
+  for (size_t n = 0; n < log.count; ++n) {
+    frame *f = &log.entries[n].frame;
+    if (!guard_seal(&device, f) || (f->fd == 0 && !guard_seal(&runtime, f))) return 2;
+    if (!candump_write(stdout, "vcan0", log.entries[n].time_us, f)) return 2;
+  }
+  candump_free(&log);
+  return fflush(stdout) == 0 ? 0 : 2;
+}
+
 static uint32_t number(const char *word) { return (uint32_t)strtoul(word, NULL, 10); }
 
 int main(int argc, char **argv) {
@@ -72,6 +97,7 @@ int main(int argc, char **argv) {
   if (argc == 4 && strcmp(argv[1], "mend") == 0) return flip(argv[2], number(argv[3]), 1);
   if (argc == 6 && strcmp(argv[1], "pose") == 0)
     return alter_pose(argv[2], number(argv[3]), number(argv[4]) & 1u, number(argv[5]) % 3u);
+  if (argc == 4 && strcmp(argv[1], "seal") == 0) return seal(argv[2], argv[3]);
   fprintf(stderr, "alter: wrong use\n");
   return 2;
 }

@@ -183,4 +183,57 @@ wants 1 "differs" "$FRAY" verify "$record" --scene "$cd_work/seed.scene"
 sed 's/density 0.25/density 0.26/' "$small" >"$cd_work/heavy.scene"
 wants 1 "differs" "$FRAY" verify "$record" --scene "$cd_work/heavy.scene"
 wants 1 "the recording starts with tick 0, the image with tick 5" "$FRAY" verify "$record" --scene "$cd_work/saved.img"
+
+# ---- keys
+key=$cd_work/bus.key keyed=$cd_work/keyed.log
+(umask 077 && echo 2b7e151628aed2a6abf7158809cf4f3c >"$key" && echo 000102030405060708090a0b0c0d0e0f >"$cd_work/other.key")
+"$alter" seal "$record" "$key" >"$keyed"
+wants 0 "verified 800 ticks, hash $hash" "$FRAY" verify "$keyed" --scene "$image" --key "$key"
+wants 0 "frames have a good tag, 0 others are not used" "$FRAY" verify "$keyed" --scene "$image" --key "$key"
+wants 0 "$last" "$FRAY" run "$image" --log "$keyed" --key "$key"
+for verb in run render; do
+  wants 2 "keyed.log: was recorded under a key, expected --key FILE" "$FRAY" $verb "$image" --log "$keyed"
+done
+wants 2 "keyed.log: was recorded under a key, expected --key FILE" "$FRAY" verify "$keyed" --scene "$image"
+wants 2 "no tag of this log fits" "$FRAY" verify "$keyed" --scene "$image" --key "$cd_work/other.key"
+wants 2 "r.log: nothing of instance 0 has a tag" "$FRAY" verify "$record" --scene "$image" --key "$key"
+# a POSE that was changed is no input, and its tick has none then
+line=$(grep -n ' 10A##' "$keyed" | sed -n '300s/:.*//p')
+sed "${line}s/\(##5..........\)./\1F/; ${line}s/\(##5...........\)./\1E/" "$keyed" >"$cd_work/forged.log"
+wants 1 "forged.log:$line: POSE_RIGHT_AUTH: a tag that does not fit" "$FRAY" verify "$cd_work/forged.log" --scene "$image" --key "$key"
+wants 1 "consumed a POSE right" "$FRAY" verify "$cd_work/forged.log" --scene "$image" --key "$key"
+# one that was said besides is named, and left out: forged, replayed, plain
+{ sed "${line}q" "$cd_work/forged.log" && sed -n "$line,\$p" "$keyed"; } >"$cd_work/forged2.log"
+wants 0 "forged2.log:$line: POSE_RIGHT_AUTH: a tag that does not fit" "$FRAY" verify "$cd_work/forged2.log" --scene "$image" --key "$key"
+wants 0 "verified 800 ticks, hash $hash" "$FRAY" verify "$cd_work/forged2.log" --scene "$image" --key "$key"
+{ sed "${line}q" "$keyed" && sed -n "$((line - 20)),\$p" "$keyed" | grep ' 10A##' | head -n 1 && sed -n "$((line + 1)),\$p" "$keyed"; } >"$cd_work/replayed.log"
+wants 0 "replayed.log:$((line + 1)): POSE_RIGHT_AUTH: an old freshness" "$FRAY" verify "$cd_work/replayed.log" --scene "$image" --key "$key"
+wants 0 "verified 800 ticks, hash $hash" "$FRAY" verify "$cd_work/replayed.log" --scene "$image" --key "$key"
+{ sed "${line}q" "$keyed" && sed -n '/ 102#/{p;q;}' "$record" && sed -n "$((line + 1)),\$p" "$keyed"; } >"$cd_work/plain.log"
+wants 0 "plain.log:$((line + 1)): POSE_RIGHT: no tag; not used" "$FRAY" verify "$cd_work/plain.log" --scene "$image" --key "$key"
+wants 0 "verified 800 ticks, hash $hash" "$FRAY" verify "$cd_work/plain.log" --scene "$image" --key "$key"
+# the file of a key
+wants 2 "none.key: cannot be opened" "$FRAY" verify "$keyed" --scene "$image" --key "$cd_work/none.key"
+echo 2b7e15 >"$cd_work/short.key" && chmod 600 "$cd_work/short.key"
+echo 2b7e151628aed2a6abf7158809cf4f3c >"$cd_work/open.key" && chmod 644 "$cd_work/open.key"
+wants 2 "short.key:1:7: not a hex digit, expected 32 hex digits" "$FRAY" verify "$keyed" --scene "$image" --key "$cd_work/short.key"
+wants 2 "others than its owner have rights to this key (mode 0644), expected 0600" "$FRAY" verify "$keyed" --scene "$image" --key "$cd_work/open.key"
+for use in "run $image" "hand tests/cross/small.hand"; do
+  verb=${use%% *}
+  wants 2 "none.key: cannot be opened" "$FRAY" $use --can can9 --key "$cd_work/none.key"
+  wants 2 "short.key:1:7: " "$FRAY" $use --can can9 --key "$cd_work/short.key"
+  wants 2 "(mode 0644), expected 0600" "$FRAY" $use --can can9 --key "$cd_work/open.key"
+  wants 2 "fray $verb: --classic-tags and --freshness go with --key" "$FRAY" $use --can can9 --classic-tags
+  wants 2 "fray $verb: --classic-tags and --freshness go with --key" "$FRAY" $use --can can9 --freshness "$cd_work/lanes"
+  wants 2 "no --freshness FILE, so this end begins anew" "$FRAY" $use --can can9 --key "$key"
+  wants 2 "no/lanes: cannot be written" "$FRAY" $use --can can9 --key "$key" --freshness "$cd_work/no/lanes"
+  echo "fray" >"$cd_work/$verb.lanes"
+  wants 2 "$verb.lanes" "$FRAY" $use --can can9 --key "$key" --freshness "$cd_work/$verb.lanes"
+  wants 2 "new.$verb: a new file" "$FRAY" $use --can can9 --key "$key" --freshness "$cd_work/new.$verb"
+  wants 2 "was written under another key, or altered" "$FRAY" $use --can can9 --key "$cd_work/other.key" --freshness "$cd_work/new.$verb"
+done
+wants 2 "not of this end of the bus, expected 'runtime fd instance 0'" "$FRAY" run "$image" --can can9 --key "$key" --freshness "$cd_work/new.hand"
+wants 2 "go with --can" "$FRAY" run "$image" --log "$keyed" --key "$key" --classic-tags
+wants 2 "fray run: --key goes with --can or --log" "$FRAY" run "$image" --key "$key"
+wants 2 "--key go with --can" "$FRAY" hand -o "$cd_work/x.log" tests/cross/small.hand --key "$key"
 suite_end
