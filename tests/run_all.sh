@@ -4,6 +4,7 @@
 # suite as it goes; the output of a failing one; last one line `N passed, N failed`.
 set -eu
 SUITES=${SUITES:-tidy cli hashes images symbols stack size budget_rules}
+SUITES=${SUITES:-tidy cli hashes images symbols cmac_constant dbc_readers}
 FRAY_BUILD=${BUILD:-build}
 FRAY=${FRAY:-$FRAY_BUILD/fray}
 export FRAY FRAY_BUILD
@@ -15,7 +16,7 @@ passed=0
 failed=0
 
 script_of() {
-  for script in "tests/$1.sh" "tests/$1/$1.sh" "tests/cross/$1.sh"; do
+  for script in "tests/$1.sh" "tests/$1/$1.sh" "tests/cross/$1.sh" "tests/bus/$1.sh"; do
     if [ -f "$script" ]; then
       echo "$script"
       return

@@ -97,6 +97,14 @@ for name in gcc-O2 clang-O2; do
   if [ $bad -eq 0 ]; then pass; else fail "$name: rt does not compile with -mgeneral-regs-only"; fi
 done
 
+# who wants no key has no cipher: nothing of it is asked for
+bad=''
+for file in rt/wire/port.c platform/loop.c; do
+  gcc -std=c11 -O1 -I. -DFRAY_NO_AUTH -c "$file" -o "$work/plain.o" || bad="$file does not compile"
+  bad="$bad$(nm -u "$work/plain.o" | awk '{ print $2 }' | grep -E '^(guard|auth|cmac)_' || true)"
+done
+if [ -z "$bad" ]; then pass; else fail "-DFRAY_NO_AUTH: $bad"; fi
+
 if words=$(grep -rnwE 'float|double|long double|_Complex' rt --include='*.c' --include='*.h'); then
   fail "the word float or double in rt: $words"
 else
