@@ -219,5 +219,7 @@ int main(void) {
   TEST(blocks_by_the_definition);
   TEST(every_length_has_its_tag);
   TEST(differences_are_seen_in_every_bit);
+  printf("figure cmac_vectors %d tests of FIPS-197, SP 800-38A and RFC 4493 pass, %d fail (asked: 0)\n",
+         test_passed, test_failed);
   return test_end();
 }
