@@ -127,7 +127,7 @@ static void print_fd(const bus_key *k, FILE *out) {
 static void print_classic(const bus_key *k, FILE *out) {
   for (uint32_t h = 0; h < FRAY_HANDS; ++h) {
     const auth_watch *w = &k->g.watch[h];
-    if ((k->g.hands >> h & 1u) == 0) continue;
+    if (((uint32_t)k->g.hands >> h & 1u) == 0) continue;
     fprintf(out, "             %s: %u good, %u bad, %u missing%s\n", name_of(k, w->group.tag_id),
             w->good, w->bad, w->missing, w->failed ? ": failed" : "");
   }

@@ -91,7 +91,7 @@ static const frame *guard_take_fd(guard *g, const frame *f, frame *plain) {
 
 static const frame *guard_take_classic(guard *g, const frame *f) {
   for (uint32_t h = 0; h < FRAY_HANDS; ++h) {
-    if (g->end != GUARD_RUNTIME || (g->hands >> h & 1u) == 0) continue;
+    if (g->end != GUARD_RUNTIME || ((uint32_t)g->hands >> h & 1u) == 0) continue;
     switch (auth_watch_take(&g->watch[h], f)) {
       case AUTH_WATCH_OTHER: continue;
       case AUTH_WATCH_POSE: return f;
@@ -131,7 +131,7 @@ int guard_alarm(guard *g) {
 
 void guard_clear(guard *g) {
   for (uint32_t h = 0; h < FRAY_HANDS; ++h) {
-    if ((g->failed >> h & 1u) != 0) auth_watch_clear(&g->watch[h]);
+    if (((uint32_t)g->failed >> h & 1u) != 0) auth_watch_clear(&g->watch[h]);
   }
   g->failed = 0;
   g->told = 0;

@@ -4,16 +4,18 @@
 auth_tests='key tags stranger'
 
 make_keys() {
+  ticks_wanted='--ticks 230'
   (umask 077 && echo 2b7e151628aed2a6abf7158809cf4f3c >"$work/bus.key" && echo 000102030405060708090a0b0c0d0e0f >"$work/other.key")
   rm -f "$work"/*.lanes
 }
-# SESSION SCRIPT TICKS OPTION...: both ends with the key and what they keep of it
+# SESSION SCRIPT OPTION...: both ends with the key and what they keep of it
 keyed_session() {
-  keyed=$1 script=$2 ticks_wanted=$3
-  shift 3
+  keyed=$1 script=$2
+  shift 2
   start_log "$keyed"
   start_hand "$keyed" "$script" --key "$work/bus.key" --freshness "$work/hand.lanes" "$@"
-  start_fray "$keyed" --ticks "$ticks_wanted" --record "$work/$keyed.own" --key "$work/bus.key" --freshness "$work/run.lanes" "$@"
+  # shellcheck disable=SC2086 # no word or two
+  start_fray "$keyed" $ticks_wanted --record "$work/$keyed.own" --key "$work/bus.key" --freshness "$work/run.lanes" "$@"
 }
 end_keyed_session() {
   end_fray "$1"
@@ -37,8 +39,8 @@ not_used() { sed -n 's/.* good tag, \([0-9]*\) others.*/\1/p' "$work/verify.out"
 # ---- 11: CAN FD
 test_key() {
   make_keys
-  for attempt in 1 2 3; do
-    keyed_session key tear 230
+  for attempt in 1 2 3 4 5 6 7 8; do # a guest that stood still for 2 ms has lost its bus
+    keyed_session key tear
     end_keyed_session key
     cuts=$(number key 'springs cut ')
     if [ "$cuts" -gt 0 ]; then break; fi
@@ -57,11 +59,14 @@ test_key() {
 
   # once more, from the kept freshness: the attacker plays the first session's device, and forges
   grep -E ' (10[9A]|020)##' "$work/key.can" >"$work/replayed.log"
-  keyed_session attack tear 230
+  ticks_wanted='' # until the attacker has said it all
+  keyed_session attack tear
   "$fray" hand --can "$device_bus" "$work/hold.hand" --patience 0 --drop 1000 --flood 2000 --key "$work/other.key" >"$work/forger.out" 2>&1 &
   forger=$!
   until_true fray_ticks attack
   canplayer -I "$work/replayed.log" "$bus=$bus" >"$work/canplayer.out" 2>&1 || fail "canplayer: $(cat "$work/canplayer.out")"
+  sleep 0.5
+  kill "$fray_pid"
   end_fray attack
   kill "$forger" 2>/dev/null || true
   wait "$forger" || true
@@ -81,8 +86,8 @@ test_key() {
 ever() { awk -v id="$2" -v from="$3" -v want="$4" '$3 ~ "^" id "#" && substr($3, from, length(want)) == want { found = 1 } END { exit !found }' "$work/$1.can"; } # SESSION ID PLACE DIGITS
 test_tags() {
   make_keys
-  for attempt in 1 2 3; do
-    keyed_session tags tear 230 --classic-tags
+  for attempt in 1 2 3 4 5 6 7 8; do # a guest that stood still for 2 ms has lost its bus
+    keyed_session tags tear --classic-tags
     end_keyed_session tags
     cuts=$(number tags 'springs cut ')
     if [ "$cuts" -gt 0 ]; then break; fi
