@@ -126,7 +126,7 @@ static void a_million_hostile_frames_to_a_port(void) {
     port_push(&p, &f);
     port_take(&p, &input);
     evil += input.pose[0].x == 30000 || input.pose[1].x == 30000;
-    good += (input.has_pose >> h & 1u) != 0 && input.pose[h].x == pose.x;
+    good += ((uint32_t)input.has_pose >> h & 1u) != 0 && input.pose[h].x == pose.x;
   }
   CHECK_EQ_INT(evil, 0);
   CHECK_EQ_INT(good, ROUNDS);
