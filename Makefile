@@ -42,7 +42,7 @@ $(TOOLS_LIB): $(filter-out $(BUILD)/tools/main.o,$(TOOL_O))
 
 $(FRAY): $(BUILD)/tools/main.o $(TOOLS_LIB) $(RT_LIB)
 	@echo "  LD   $@"
-	@$(CC) $(EXTRA) $^ -lm -o $@
+	@$(CC) $(EXTRA) $^ -lm -pthread -o $@
 
 $(BUILD)/%.o: %.c
 	@mkdir -p $(@D)
@@ -53,7 +53,7 @@ $(BUILD)/%.o: %.c
 $(BUILD)/rt/%.o $(BUILD)/tools/build/%.o: FLAGS += $(EXACT)
 
 $(TESTS) $(HELPERS): $(BUILD)/%: $(BUILD)/%.o $(TOOLS_LIB) $(RT_LIB)
-	@$(CC) $(EXTRA) $(filter %.o,$^) $(filter %.a,$^) -lm -o $@
+	@$(CC) $(EXTRA) $(filter %.o,$^) $(filter %.a,$^) -lm -pthread -o $@
 
 # Boards of their own: the bus in memory for the loop, and a kernel in memory for the board on Linux.
 $(SIM_TESTS): $(SIM_O)

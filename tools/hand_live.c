@@ -33,11 +33,11 @@ static void ask_to_stop(int signal_number) {
   asked_to_stop = 1;
 }
 
-static void send_frame(hand_live *l, const frame *f) {
-  if (can_send(&l->can, f))
-    ++l->sent;
-  else
-    ++l->refused;
+static int send_frame(hand_live *l, const frame *f) {
+  const int good = can_send(&l->can, f);
+  l->sent += good != 0;
+  l->refused += good == 0;
+  return good;
 }
 
 static void send_step(hand_live *l) {
@@ -49,8 +49,8 @@ static void send_step(hand_live *l) {
       ++l->refused;
       continue;
     }
-    send_frame(l, &frames[n]);
-    if (l->key != NULL && guard_tag(&l->key->g, &frames[n], &tag)) send_frame(l, &tag);
+    if (!send_frame(l, &frames[n])) continue;
+    if (l->key != NULL && guard_tag(&l->key->g, &frames[n], &tag)) (void)send_frame(l, &tag);
   }
 }
 

@@ -58,7 +58,7 @@ static int find_interface(can_socket *s, const can_setting *setting, int *index)
   if (ioctl(s->fd, SIOCGIFMTU, &request) == 0 && request.ifr_mtu >= (int)CANFD_MTU) return 1;
   fprintf(stderr,
           "%s: takes classic frames only (mtu %d), expected CAN FD, mtu 72: ip link set IFACE mtu 72, "
-          "of a controller also `type can ... dbitrate N fd on`\n",
+          "of a controller also `type can ... dbitrate N fd on`; or --classic-tags\n",
           s->name, request.ifr_mtu);
   can_close(s);
   return 0;

@@ -7,6 +7,7 @@
 
 #include "platform/log/candump.h"
 #include "tools/replay.h"
+#include "tools/unseal.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes);
 
@@ -31,6 +32,17 @@ static int is_short(const candump_log *log) {
   return 1;
 }
 
+/* Whatever the log holds, nobody could make a tag of this key. */
+static void check_under_a_key(candump_log *log) {
+  static const uint8_t BYTES[CMAC_KEY] = {7, 7, 7};
+  unseal_counts counts;
+  cmac_key key;
+  const size_t before = log->count;
+  cmac_key_init(&key, BYTES);
+  unseal_fd("fuzz.log", log, &key, 0, &counts, NULL);
+  if (counts.good != 0 || log->count + counts.refused != before) abort();
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes) {
   candump_log log;
   candump_error error;
@@ -44,6 +56,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes) {
     replay run;
     if (log.count != 0 && is_short(&log) && replay_read("fuzz.log", &log, &setting, &run, &error))
       replay_free(&run);
+    check_under_a_key(&log);
     candump_free(&log);
   } else if (error.message[0] == 0) {
     abort();
