@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # For sessions.sh, which sources it: sessions under a key. CAN FD, with an attacker who replays the
 # session before and says forged frames; TAGs on classic CAN, with a forger; and what does not fit.
-auth_tests='key tags stranger'
+auth_tests='key tags stranger again'
 
 make_keys() {
   ticks_wanted='--ticks 230'
@@ -84,6 +84,7 @@ test_key() {
 
 # ---- 12: classic CAN
 ever() { awk -v id="$2" -v from="$3" -v want="$4" '$3 ~ "^" id "#" && substr($3, from, length(want)) == want { found = 1 } END { exit !found }' "$work/$1.can"; } # SESSION ID PLACE DIGITS
+said_all() { [ "$(grep -c ' 010#' "$work/forger.can")" -ge 7 ]; } # hold.hand has seven
 test_tags() {
   make_keys
   for attempt in 1 2 3 4 5 6 7 8; do # a guest that stood still for 2 ms has lost its bus
@@ -99,11 +100,13 @@ test_tags() {
   holds "tags: with another key it is refused" refused "no TAG of this log fits" \
     "$fray" verify "$work/tags.can" --scene "$work/sheet.img" --key "$work/other.key"
 
+  sed '/^command/d' "$work/tear.hand" >"$work/forger.hand" # a RESET of his would clear it
   start_log forger
   start_hand forger hold --key "$work/bus.key" --freshness "$work/hand.lanes" --classic-tags
   start_fray forger --record "$work/forger.own" --key "$work/bus.key" --freshness "$work/run.lanes" --classic-tags
+  until_true said_all || fail "tags, forged: the hand has not said its last RESET"
   until_true forces forger || true
-  "$fray" hand --can "$device_bus" "$work/tear.hand" --patience 0 >"$work/forger.hand2.out" 2>&1 &
+  "$fray" hand --can "$device_bus" "$work/forger.hand" --patience 0 >"$work/forger.hand2.out" 2>&1 &
   forger=$!
   sleep 1
   kill "$forger" && wait "$forger" || true
@@ -144,4 +147,27 @@ test_stranger() {
   end_hand
   stop_log stranger
   ip link del vcan8
+}
+
+# ---- 14: kill -9 under a key, and on again from the kept freshness; the hand has not ended
+forces_kept() { [ "$(sed -n 's/^sent 189 //p' "$work/run.lanes")" -gt "$1" ]; }
+test_again() {
+  make_keys
+  ticks_wanted=''
+  keyed_session again hold
+  until_true forces_kept 10000 || fail "again: the freshness is not stored while it runs"
+  kill -9 "$fray_pid"
+  wait "$fray_pid" 2>/dev/null || true
+  kept_ahead=$(kept_at run 189)
+  used=$(grep -c ' 189##' "$work/again.can")
+  sleep 0.1
+  start_fray again --ticks 200 --record "$work/again.own" --key "$work/bus.key" --freshness "$work/run.lanes"
+  end_keyed_session again
+  cp "$work/again.hand.out" "$work/felt.out"
+  figure "kill -9 under a key: $used forces sent, $kept_ahead kept; on again: $(lane again POSE_LEFT_AUTH good) poses good, $(lane again POSE_LEFT_AUTH old) old; the hand felt $(lane felt FORCE_LEFT_AUTH good), $(lane felt FORCE_LEFT_AUTH old) old, $(lane felt FORCE_LEFT_AUTH skipped) skipped"
+  holds "again: what is kept is ahead of what was sent" [ "$kept_ahead" -ge "$used" ]
+  holds "again: the hand's poses are taken" [ "$(lane again POSE_LEFT_AUTH good)" -gt 50 ]
+  holds "again: the hand takes no force for an old one" is "$(lane felt FORCE_LEFT_AUTH old)" 0
+  holds "again: and those after the kill" [ "$(lane felt FORCE_LEFT_AUTH good)" -gt "$used" ]
+  holds "again: the second log verifies" verifies_keyed again "$work/again.own"
 }

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # sessions.sh [NAME...]: live sessions on vcan0, to be run where guest.sh runs them (root, vcan0 up).
-# NAME: twenty play stop flood kill trouble flap lateness interop key tags stranger (all of them by default), and in
+# NAME: twenty play stop flood kill trouble flap lateness interop key tags stranger again (all of them by default), and in
 # QEMU controllers or unpinned. A `figure` line says what was measured, a check what must hold;
 # no check is about the machine's speed. README.md says more.
 . tests/lib/suite.sh
