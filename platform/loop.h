@@ -5,6 +5,10 @@
 
 #include "platform/platform.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct {
   fray_world *world;
   port in;
@@ -40,4 +44,7 @@ loop_result loop_run(loop *l);
  * bus takes the place of a verb that still waits. STOP when the program ends. */
 void loop_command(loop *l, uint8_t verb);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

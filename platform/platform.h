@@ -12,6 +12,13 @@
 
 #include "rt/wire/port.h"
 
+#ifdef __cplusplus
+#define PLATFORM_NORETURN [[noreturn]]
+extern "C" {
+#else
+#define PLATFORM_NORETURN _Noreturn
+#endif
+
 enum { PLATFORM_CONFIRM_US = 2000 }; /* a SYNC that takes longer means the bus is lost */
 
 typedef enum {
@@ -35,6 +42,9 @@ platform_result platform_send(const frame *f);
 void platform_print(const char *text);
 
 /* Ends the program; `status` 0..125 is what an emulator exits with. A product starts again. */
-_Noreturn void platform_exit(int status);
+PLATFORM_NORETURN void platform_exit(int status);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

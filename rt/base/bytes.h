@@ -6,6 +6,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 static inline uint16_t bytes_load16(const uint8_t *p) {
   return (uint16_t)((uint32_t)p[0] | (uint32_t)p[1] << 8);
 }
@@ -32,4 +36,7 @@ uint32_t bytes_crc32(const uint8_t *data, size_t bytes);
 void bytes_zero(void *to, size_t bytes);
 void bytes_copy(void *to, const void *from, size_t bytes);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

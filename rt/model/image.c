@@ -80,43 +80,45 @@ static uint32_t memory_bytes_of(const image_array *a) {
 static uint32_t elements(const image_array *a, const uint32_t capacity[POOLS]) {
   return capacity[a->pool] * (a->kind == KIND_WORD ? a->words : 1u);
 }
-static int usable_in_place(const image_array *a, const uint32_t capacity[POOLS],
-                           const uint8_t *image) {
-  return image != NULL && a->role == ROLE_CONSTANT && bytes_host_is_little() &&
-         ((uintptr_t)image & 3u) == 0 &&
+/* 1 iff this machine reads the words of an image as they stand. */
+static int readable_in_place(const uint8_t *image) {
+  return bytes_host_is_little() && ((uintptr_t)image & 3u) == 0;
+}
+static int stays_in_place(const image_array *a, const uint32_t capacity[POOLS], int readable) {
+  return readable && a->role == ROLE_CONSTANT &&
          stored_bytes(a, short_ids(capacity)) == memory_bytes_of(a);
 }
 
 /* Carves every array that is not used in place; with a dry arena it only counts. */
-static void carve(fray_world *w, const uint32_t capacity[POOLS], const uint8_t *image, arena *a) {
+static void carve(fray_world *w, const uint32_t capacity[POOLS], int readable, arena *a) {
   for (uint32_t n = 0; n < image_array_count; ++n) {
     const image_array *array = &image_arrays[n];
-    if (usable_in_place(array, capacity, image)) continue;
+    if (stays_in_place(array, capacity, readable)) continue;
     void *taken = arena_take(a, elements(array, capacity), memory_bytes_of(array));
     if (w != NULL) *(void **)(void *)((uint8_t *)w + array->pointer) = taken;
   }
 }
 
-static size_t plan_bytes(const uint32_t capacity[POOLS], const uint8_t *image) {
+static size_t plan_bytes(const uint32_t capacity[POOLS], int readable) {
   arena dry = {NULL, 0, 0};
   (void)arena_take(&dry, 1, sizeof(fray_world));
-  carve(NULL, capacity, image, &dry);
+  carve(NULL, capacity, readable, &dry);
   return dry.used;
 }
 
-static fray_world *plan_carve(const uint32_t capacity[POOLS], const uint8_t *image, void *memory,
+static fray_world *plan_carve(const uint32_t capacity[POOLS], int readable, void *memory,
                               size_t bytes) {
   arena a = {(uint8_t *)memory, bytes, 0};
-  bytes_zero(memory, plan_bytes(capacity, image));
+  bytes_zero(memory, plan_bytes(capacity, readable));
   fray_world *w = (fray_world *)arena_take(&a, 1, sizeof(fray_world));
   for (uint32_t p = 0; p < POOLS; ++p) w->capacity[p] = capacity[p];
-  carve(w, capacity, image, &a);
+  carve(w, capacity, readable, &a);
   return w;
 }
 
 size_t image_blank(const uint32_t capacity[POOLS], void *memory, fray_world **world) {
-  const size_t bytes = plan_bytes(capacity, NULL);
-  if (memory != NULL) *world = plan_carve(capacity, NULL, memory, bytes);
+  const size_t bytes = plan_bytes(capacity, 0);
+  if (memory != NULL) *world = plan_carve(capacity, 0, memory, bytes);
   return bytes;
 }
 
@@ -153,7 +155,7 @@ fray_status fray_bytes(const void *image, size_t image_bytes, size_t *bytes, fra
   if (bytes == NULL) return image_refuse(error, FRAY_BAD_ARGUMENT, 0, 0, "a place for the result");
   const fray_status status = read_header((const uint8_t *)image, image_bytes, capacity, error);
   if (status != FRAY_OK) return status;
-  *bytes = plan_bytes(capacity, (const uint8_t *)image);
+  *bytes = plan_bytes(capacity, readable_in_place((const uint8_t *)image));
   return FRAY_OK;
 }
 
@@ -213,12 +215,12 @@ static void load_array(const image_array *a, const uint8_t *from, uint32_t store
   }
 }
 
-static void load_sections(fray_world *w, const uint8_t *image) {
+static void load_sections(fray_world *w, const uint8_t *image, int readable) {
   for (uint32_t n = 0; n < image_array_count; ++n) {
     const image_array *a = &image_arrays[n];
     if (a->id == 0) continue;
     const uint8_t *from = image + section_offset(w->capacity, n);
-    if (usable_in_place(a, w->capacity, image))
+    if (stays_in_place(a, w->capacity, readable))
       *(const void **)(void *)((uint8_t *)w + a->pointer) = from;
     else
       load_array(a, from, stored_bytes(a, short_ids(w->capacity)), image_pointer(w, a),
@@ -247,11 +249,12 @@ fray_status fray_open(const void *image, size_t image_bytes, void *memory, size_
     return image_refuse(error, FRAY_BAD_CRC, 0, IMAGE_CRC_WORD, "the CRC-32 of what follows");
   status = check_directory(bytes, capacity, error);
   if (status != FRAY_OK) return status;
-  if (memory_bytes < plan_bytes(capacity, bytes))
+  const int readable = readable_in_place(bytes);
+  if (memory_bytes < plan_bytes(capacity, readable))
     return image_refuse(error, FRAY_SMALL_MEMORY, 0, 0,
                         "as many bytes of memory as fray_bytes() says");
-  fray_world *w = plan_carve(capacity, bytes, memory, memory_bytes);
-  load_sections(w, bytes);
+  fray_world *w = plan_carve(capacity, readable, memory, memory_bytes);
+  load_sections(w, bytes, readable);
   status = image_validate(w, error);
   if (status == FRAY_OK) *world = w;
   return status;
@@ -317,6 +320,6 @@ int fray_view_pool(const fray_world *world, uint32_t index, fray_pool *pool) {
   pool->count = world->capacity[a->pool];
   pool->element_bytes = memory_bytes_of(a) * (a->kind == KIND_WORD ? a->words : 1u);
   pool->constant = a->role == ROLE_CONSTANT;
-  pool->in_place = place < first || place >= first + plan_bytes(world->capacity, NULL);
+  pool->in_place = place < first || place >= first + plan_bytes(world->capacity, 0);
   return 1;
 }

@@ -113,21 +113,27 @@ static int place_good(const int32_t *at) {
   return 1;
 }
 
-static int body_good(const fray_world *w, const body *k) {
+static int body_sizes_good(const body *k) {
   const int32_t size_max = 16 * FX_LU;
-  int good = k->shape >= FRAY_ANCHOR && k->shape <= FRAY_PLANE && k->motion >= FRAY_FIXED &&
-             k->motion <= FRAY_FREE && k->hand >= 0 && k->hand < FRAY_HANDS && k->radius >= 0 &&
-             k->radius <= size_max && k->friction >= 0 && k->friction <= 16 << 16 &&
-             k->yield >= 0 && k->yield <= 1 << 30 && k->key_first >= 0 && k->keys >= 0 &&
-             place_good(k->home) && orthonormal(k->axes);
+  if (k->radius < 0 || k->radius > size_max) return 0;
   for (uint32_t n = 0; n < 3; ++n)
-    good = good && k->half[n] >= 0 && k->half[n] <= size_max && k->reach[n] >= 0 &&
-           k->reach[n] <= 4 * size_max - 1;
-  good = good && (k->motion == FRAY_FREE || k->yield == 0);
-  good = good && (k->motion != FRAY_HAND || (w->params->hands >> k->hand & 1) != 0);
-  const int64_t keys_end = (int64_t)k->key_first + k->keys;
-  good = good && (k->motion != FRAY_PATH || k->keys > 0) && keys_end <= w->capacity[POOL_KEYS];
-  return good;
+    if (k->half[n] < 0 || k->half[n] > size_max || k->reach[n] < 0 ||
+        k->reach[n] > 4 * size_max - 1)
+      return 0;
+  return 1;
+}
+
+static int body_good(const fray_world *w, const body *k) {
+  const int32_t keys = (int32_t)w->capacity[POOL_KEYS];
+  if (k->shape < FRAY_ANCHOR || k->shape > FRAY_PLANE || k->motion < FRAY_FIXED ||
+      k->motion > FRAY_FREE || k->hand < 0 || k->hand >= FRAY_HANDS)
+    return 0;
+  if (k->friction < 0 || k->friction > 16 << 16 || k->yield < 0 || k->yield > 1 << 30) return 0;
+  if (k->yield != 0 && k->motion != FRAY_FREE) return 0;
+  if (k->motion == FRAY_HAND && (w->params->hands >> k->hand & 1) == 0) return 0;
+  if (k->keys < 0 || k->keys > keys || k->key_first < 0 || k->key_first > keys - k->keys) return 0;
+  if (k->keys == 0 && k->motion == FRAY_PATH) return 0;
+  return body_sizes_good(k) && place_good(k->home) && orthonormal(k->axes);
 }
 
 static int keys_good(const fray_world *w, const body *k) {
@@ -255,7 +261,8 @@ static int batches_good(const fray_world *w, fray_error *error) {
   uint32_t row = 0;
   uint32_t b = 0;
   for (uint32_t family = 0; family < 3; ++family) {
-    for (const uint32_t last = b + batches[family]; b < last; ++b) {
+    const uint32_t last = b + batches[family];
+    for (; b < last; ++b) {
       const row_batch *batch = &w->batches[b];
       if (batch->first != (int32_t)row || batch->count < 0 ||
           (uint32_t)batch->count > ends[family] - row)

@@ -31,6 +31,10 @@
 #include "rt/wire/dictionary.h"
 #include "rt/wire/frame.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum {
   AUTH_TAG_FD = 8,       /* bytes of the tag */
   AUTH_TAG_CLASSIC = 6,
@@ -135,4 +139,7 @@ auth_verdict auth_watch_take(auth_watch *watch, const frame *f);
 /* Lets a failed lane begin anew, at an operator's word; freshness goes on. */
 void auth_watch_clear(auth_watch *watch);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

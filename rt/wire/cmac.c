@@ -155,7 +155,7 @@ static uint32_t cmac_rows_up(uint32_t p) { return (p >> 1 & 0x7777) | (p << 3 & 
 /* With up(a) = a, each row in place of the one above: 2 (a + up a) + up (a + up (a + up a)).
  * Doubling moves every plane up by one; the top one comes back into those of 0x1B. */
 static void cmac_mix_columns(planes *s) {
-  uint32_t sum[PLANES];
+  uint32_t sum[PLANES] = {0}; /* gcc's analyzer does not see that the loop fills it */
   for (uint32_t b = 0; b < PLANES; ++b) sum[b] = s->at[b] ^ cmac_rows_up(s->at[b]);
   for (uint32_t b = 0; b < PLANES; ++b) {
     const uint32_t doubled = b == 0 ? sum[7] : sum[b - 1];

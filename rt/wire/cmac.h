@@ -12,6 +12,10 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum { CMAC_KEY = 16, CMAC_BLOCK = 16, CMAC_ROUNDS = 10, CMAC_PLANES = 8 };
 
 /* A key, expanded: 208 bytes, as secret as the key. */
@@ -34,4 +38,7 @@ void cmac_tag(const cmac_key *key, const uint8_t *data, uint32_t bytes, uint8_t 
 /* 0 iff equal; looks at every byte. */
 uint32_t cmac_differs(const uint8_t *a, const uint8_t *b, uint32_t bytes);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

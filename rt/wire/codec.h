@@ -12,6 +12,10 @@
 #include "rt/fray.h"
 #include "rt/wire/frame.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef enum {
   CODEC_OK = 0,
   CODEC_ID,       /* another id, or a 29-bit one */
@@ -91,4 +95,7 @@ codec_reason codec_read_pose(const uint8_t *data, uint32_t instance, uint32_t ha
                              fray_pose *out);
 codec_reason codec_read_command(const uint8_t *data, uint32_t instance, codec_command *out);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

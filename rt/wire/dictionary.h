@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The message table of the bus: the one place that knows ids, lengths and cycle times; signals.h
+/* The message table of the bus: it (dictionary.c) alone knows ids, lengths and cycle times; signals.h
  * adds names, bits, units and words for people and tools. From the two, fray.dbc and the tables of
  * README.md are written (tests/unit/test_dictionary.c); tests/unit/test_dbc.c holds the codec
  * against fray.dbc. The format is frozen: see README.md. */
@@ -7,6 +7,10 @@
 #define FRAY_WIRE_DICTIONARY_H
 
 #include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 typedef enum {
   MESSAGE_SYNC,
@@ -47,25 +51,7 @@ typedef struct {
   uint8_t protects;  /* a protected form: the message whose 8 bytes it carries; else MESSAGES */
 } dictionary_entry;
 
-static const dictionary_entry DICTIONARY[MESSAGES] = {
-    [MESSAGE_SYNC] = {0x080, 1, DICTIONARY_NO_E2E, 1, MESSAGES},
-    [MESSAGE_COMMAND] = {0x010, 2, 4, 0, MESSAGES},
-    [MESSAGE_ACK] = {0x011, 2, 5, 0, MESSAGES},
-    [MESSAGE_POSE_LEFT] = {0x101, 16, 0, 1, MESSAGES},
-    [MESSAGE_POSE_RIGHT] = {0x102, 16, 1, 1, MESSAGES},
-    [MESSAGE_FORCE_LEFT] = {0x181, 16, 2, 1, MESSAGES},
-    [MESSAGE_FORCE_RIGHT] = {0x182, 16, 3, 1, MESSAGES},
-    [MESSAGE_TEAR] = {0x200, 1, DICTIONARY_NO_E2E, 0, MESSAGES},
-    [MESSAGE_STATUS] = {0x701, 1, DICTIONARY_NO_E2E, 100, MESSAGES},
-    [MESSAGE_COMMAND_AUTH] = {0x020, 2, DICTIONARY_NO_E2E, 0, MESSAGE_COMMAND},
-    [MESSAGE_ACK_AUTH] = {0x021, 2, DICTIONARY_NO_E2E, 0, MESSAGE_ACK},
-    [MESSAGE_POSE_LEFT_AUTH] = {0x109, 16, DICTIONARY_NO_E2E, 1, MESSAGE_POSE_LEFT},
-    [MESSAGE_POSE_RIGHT_AUTH] = {0x10A, 16, DICTIONARY_NO_E2E, 1, MESSAGE_POSE_RIGHT},
-    [MESSAGE_FORCE_LEFT_AUTH] = {0x189, 16, DICTIONARY_NO_E2E, 1, MESSAGE_FORCE_LEFT},
-    [MESSAGE_FORCE_RIGHT_AUTH] = {0x18A, 16, DICTIONARY_NO_E2E, 1, MESSAGE_FORCE_RIGHT},
-    [MESSAGE_TAG_LEFT] = {0x301, 16, DICTIONARY_NO_E2E, 4, MESSAGES},
-    [MESSAGE_TAG_RIGHT] = {0x302, 16, DICTIONARY_NO_E2E, 4, MESSAGES},
-};
+extern const dictionary_entry DICTIONARY[MESSAGES];
 
 /* The 11-bit id of a message of instance 0..7. */
 static inline uint32_t dictionary_id(dictionary_message message, uint32_t instance) {
@@ -109,4 +95,7 @@ static inline dictionary_message dictionary_tag(uint32_t hand) {
   return hand == 0 ? MESSAGE_TAG_LEFT : MESSAGE_TAG_RIGHT;
 }
 
+#ifdef __cplusplus
+}
+#endif
 #endif

@@ -11,6 +11,10 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* CRC-8H2F: polynomial 0x2F, first value 0xFF, result inverted; "123456789" gives 0xDF.
  * Cost: 8 steps a byte, no table. */
 uint8_t e2e_crc(const uint8_t *data, uint32_t bytes);
@@ -27,4 +31,7 @@ void e2e_protect(uint8_t *data, uint32_t length, uint8_t base, uint8_t counter);
 /* 1 iff byte 0 fits the rest. */
 int e2e_check(const uint8_t *data, uint32_t length, uint8_t base);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

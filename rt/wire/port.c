@@ -15,7 +15,7 @@ void port_init(port *p, uint32_t instance, uint32_t hands, const uint8_t *consum
   p->instance = (uint8_t)(instance & 7u);
   p->hands = (uint8_t)(hands & 3u);
   for (uint32_t h = 0; h < FRAY_HANDS; ++h)
-    sequence_begin(&p->pose[h], consumed == 0 ? 0 : consumed[h]);
+    sequence_begin(&p->pose[h], consumed == NULL ? 0 : consumed[h]);
 }
 
 /* LANES iff the frame is not for this port. */
@@ -42,7 +42,7 @@ static void port_push_plain(port *p, const frame *f) {
     return;
   }
   queue_item *item = queue_add(&p->waiting);
-  if (item == 0) {
+  if (item == NULL) {
     port_count(&p->statistics.queue_full, 1);
     return;
   }

@@ -19,6 +19,10 @@
 #include "rt/wire/queue.h"
 #include "rt/wire/sequence.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum {
   PORT_FRAMES_PER_TICK = 64, /* looked at in one port_take() */
   PORT_POSES_PER_TICK = 8,   /* accepted of one hand */
@@ -81,4 +85,7 @@ void port_sender_init(port_sender *s, uint32_t instance, uint32_t hands, uint32_
  * Returns how many, at most PORT_OUT. The SYNC of the next tick is the caller's. */
 uint32_t port_encode(port_sender *s, const fray_output *output, frame frames[PORT_OUT]);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

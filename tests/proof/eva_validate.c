@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* image_validate() on a world whose every word is arbitrary, and the views of one that it accepts.
+ * Of one shape: WARPS, WEFTS, SPARE particles, HELD of them, LINK_, BEND_ and SHEAR_BATCHES, KEYS.
+ * Every array is as long as its pool and stands alone, so that one step too far is seen.
+ * What counts_fit() compares with the capacities is given, for anything else is refused there
+ * (counts()). How many rows the first batch of links has is gone through, value by value, and so
+ * that every batch after it begins where it must. */
+#include "rt/model/image.h"
+#include "rt/model/validate.c"
+#include "tests/proof/any.h"
+
+enum {
+  CROSSINGS = WARPS * WEFTS,
+  PARTICLES = CROSSINGS + SPARE,
+  LINKS = WEFTS * (WARPS - 1) + WARPS * (WEFTS - 1),
+  BENDS = WEFTS * (WARPS - 2) + WARPS * (WEFTS - 2),
+  SHEARS = 2 * (WARPS - 1) * (WEFTS - 1),
+  ROWS = LINKS + BENDS + SHEARS,
+  BATCHES = LINK_BATCHES + BEND_BATCHES + SHEAR_BATCHES,
+  CLASSES = 2,
+  BODIES = 2,
+  CONTACTS = 2
+};
+
+static params fixed;
+static state moving;
+static row_id crossing[CROSSINGS], home[ROWS], row_of[ROWS], row_i[ROWS], row_j[ROWS];
+static uint8_t row_class[ROWS];
+static row_batch batches[BATCHES];
+static link_class links[CLASSES];
+static spring_class springs[CLASSES];
+static uint8_t grip_body[HELD];
+static int32_t grip_x[HELD], grip_y[HELD], grip_z[HELD];
+static body bodies[BODIES];
+static body_key keys[KEYS];
+static body_state body_states[BODIES];
+static int32_t x[PARTICLES], y[PARTICLES], z[PARTICLES];
+static int32_t vx[PARTICLES], vy[PARTICLES], vz[PARTICLES];
+static int8_t rx[PARTICLES], ry[PARTICLES], rz[PARTICLES];
+static int32_t qx[PARTICLES], qy[PARTICLES], qz[PARTICLES];
+static body_motion motion[BODIES];
+static contact contacts[CONTACTS];
+static cut cuts[LIMIT_CUTS];
+
+static fray_world world = {
+    .capacity = {1, 1, PARTICLES, HELD, CROSSINGS, ROWS, BATCHES, CLASSES, CLASSES, BODIES, KEYS,
+                 CONTACTS, LIMIT_CUTS},
+    .params = &fixed, .crossing = crossing, .home = home, .row_of = row_of, .batches = batches,
+    .links = links, .springs = springs, .grip_body = grip_body, .grip_x = grip_x,
+    .grip_y = grip_y, .grip_z = grip_z, .bodies = bodies, .keys = keys, .state = &moving,
+    .x = x, .y = y, .z = z, .vx = vx, .vy = vy, .vz = vz, .rx = rx, .ry = ry, .rz = rz,
+    .row_i = row_i, .row_j = row_j, .row_class = row_class, .body_states = body_states,
+    .qx = qx, .qy = qy, .qz = qz, .motion = motion, .contacts = contacts, .cuts = cuts};
+
+#define ANY(array) any_bytes(&array, sizeof array)
+
+static void any_world(void) {
+  ANY(fixed); ANY(moving); ANY(crossing); ANY(home); ANY(row_of); ANY(row_i); ANY(row_j);
+  ANY(row_class); ANY(batches); ANY(links); ANY(springs); ANY(grip_body); ANY(grip_x); ANY(grip_y);
+  ANY(grip_z); ANY(bodies); ANY(keys); ANY(body_states); ANY(x); ANY(y); ANY(z); ANY(vx); ANY(vy);
+  ANY(vz); ANY(rx); ANY(ry); ANY(rz); ANY(qx); ANY(qy); ANY(qz); ANY(motion); ANY(contacts);
+  ANY(cuts);
+}
+
+/* Any scalars at all: what does not fit the capacities goes no further than this. */
+void counts(void) {
+  fray_error error;
+  any_world();
+  if (words_in_range(world.params, params_ranges, PARAM_WORDS, IN_PARAMS, &error))
+    (void)counts_fit(&world, &error);
+  (void)words_in_range(world.state, state_ranges, STATE_WORDS, IN_STATE, &error);
+}
+
+static void views(void) {
+  fray_pool pool;
+  (void)fray_describe(&world);
+  (void)fray_limits(&world);
+  (void)fray_view_particles(&world);
+  (void)fray_view_sheet(&world);
+  (void)fray_view_row(&world, FRAY_STRUCTURAL, any_between(0, LINKS - 1));
+  (void)fray_view_row(&world, FRAY_SHEAR, any_between(0, SHEARS - 1));
+  (void)fray_view_body(&world, any_between(0, BODIES - 1));
+  (void)fray_particle_at(&world, any_between(0, CROSSINGS - 1));
+  (void)fray_hash(&world);
+}
+
+static void validate(int32_t link_rows, int32_t keys_of_first) {
+  fray_error error;
+  any_world();
+  fixed.warps = WARPS;
+  fixed.wefts = WEFTS;
+  fixed.link_batches = LINK_BATCHES;
+  fixed.bend_batches = BEND_BATCHES;
+  fixed.shear_batches = SHEAR_BATCHES;
+  batches[0].count = link_rows;
+  bodies[0].keys = keys_of_first;
+  bodies[1].keys = KEYS - keys_of_first;
+  if (image_validate(&world, &error) == FRAY_OK) views();
+}
+
+/* Bodies share out the keys in every way in turn; where each begins in them is arbitrary. */
+void worlds(void) {
+  for (int32_t n = 0; n <= LINKS; ++n) validate(n, n % (KEYS + 1));
+  validate(-1 - (int32_t)any_between(0, 0x7FFFFFFF), 0);
+  validate(LINKS + 1 + (int32_t)any_between(0, 0x7FFFFFFF - LINKS - 1), 0);
+}
