@@ -26,7 +26,7 @@ SIM_O := $(BUILD)/tests/sim/sim_board.o
 FAULT_O := $(patsubst %,$(BUILD)/faults/platform/linux/%.o,board bus_log can_socket timer)
 IMAGE_16 := $(BUILD)/id16/tests/unit/test_image
 
-.PHONY: all help run test clean san san-integer checked golden golden-update fuzz tidy size bench force bus-test bus-test-qemu targets target-test can-test stack budget-update
+.PHONY: all help run test clean san san-integer checked golden golden-update fuzz tidy size bench force bus-test bus-test-qemu targets target-test can-test stack budget-update proof install
 all: $(FRAY) ## build the `fray` command
 
 help: ## list the targets
@@ -116,6 +116,12 @@ target-test: $(FRAY) $(HELPERS) ## run them in QEMU at stated rates, and try the
 
 can-test: $(FRAY) $(HELPERS) ## the bare-metal CAN port in sessions on an emulated ZCU102
 	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) sh tests/target/zcu102.sh
+
+proof: $(RT_LIB) ## warnings of every compiler, gcc's analyzer, MISRA, Frama-C Eva (minutes)
+	@BUILD=$(BUILD) sh tests/proof/proof.sh
+
+install: $(RT_LIB) ## library, headers, CMake config, fray.pc below PREFIX; DESTDIR is for packagers
+	@sh platform/package/install.sh $(RT_LIB) $(or $(PREFIX),/usr/local) $(DESTDIR)
 
 tidy: ## arrows between folders, sizes of files and functions, licences, cppcheck
 	@BUILD=$(BUILD) sh tests/tidy.sh

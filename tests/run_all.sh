@@ -5,6 +5,7 @@
 set -eu
 SUITES=${SUITES:-tidy cli hashes images symbols stack size budget_rules}
 SUITES=${SUITES:-tidy cli hashes images symbols cmac_constant dbc_readers}
+SUITES=${SUITES:-tidy cli hashes images symbols consumer}
 FRAY_BUILD=${BUILD:-build}
 FRAY=${FRAY:-$FRAY_BUILD/fray}
 export FRAY FRAY_BUILD

@@ -11,6 +11,10 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum { SEQUENCE_AHEAD = 8, SEQUENCE_RESTART = 3 };
 
 typedef struct {
@@ -30,4 +34,7 @@ uint32_t sequence_ahead(const sequence *s, uint8_t counter);
 /* Takes a counter, 0..15. Cost: constant. */
 sequence_result sequence_take(sequence *s, uint8_t counter);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The four functions of platform/platform.h over Zephyr's CAN driver. One world on one controller,
+ * run by one thread. */
+#ifndef FRAY_ZEPHYR_BOARD_H
+#define FRAY_ZEPHYR_BOARD_H
+
+#include <zephyr/device.h>
+
+/* Starts the controller, takes every standard frame, and begins the grid of ticks now.
+ * Returns 0, or a negative errno of the driver. The bit rate is the devicetree's. */
+int board_begin(const struct device *can);
+
+/* platform_wait() answers -1 from now on. From any thread or interrupt. */
+void board_stop(void);
+
+#endif
