@@ -74,8 +74,9 @@ build() { # OPT OUT FILE...
   [ "$opt" != -O3 ] || budgets="$budgets -Wno-stringop-overflow"
   # shellcheck disable=SC2086
   "$compiler" $flags -I"$root" -ffile-prefix-map="$root"=. -Wall -Wextra -Wconversion -Wshadow -Wundef -Werror "$opt" $budgets \
-    "$@" $sources -nostdlib -nostartfiles -static -Wl,--gc-sections -Wl,--build-id=none \
-    -Wl,--no-warn-rwx-segments -L"$root/linker" -T "$root/linker/$name.ld" -lgcc -o "$out"
+    -Wl,--start-group "$@" $sources -lgcc -Wl,--end-group -nostdlib -nostartfiles -static \
+    -Wl,--gc-sections,--build-id=none,--no-warn-rwx-segments \
+    -L"$root/linker" -T "$root/linker/$name.ld" -o "$out"
 }
 
 run() { # X.elf OPTION...
