@@ -12,6 +12,7 @@ RT_C := $(wildcard rt/*/*.c)
 TOOL_C := $(wildcard tools/*.c tools/*/*.c platform/*.c platform/log/*.c platform/linux/*.c)
 UNIT_C := $(wildcard tests/unit/*.c tests/oracle/*.c tests/sim/test_*.c)
 HELPER_C := tests/cross/emit.c tests/target/tape.c tests/cli/alter.c tests/bus/bare_timer.c
+HELPER_C := tests/cross/emit.c tests/cli/alter.c tests/bus/bare_timer.c tests/bus/flood_facts.c
 
 RT_O := $(RT_C:%.c=$(BUILD)/%.o)
 TOOL_O := $(TOOL_C:%.c=$(BUILD)/%.o)
@@ -20,13 +21,14 @@ RT_LIB := $(BUILD)/libfray.a
 FRAY := $(BUILD)/fray
 TESTS := $(UNIT_C:%.c=$(BUILD)/%)
 HELPERS := $(HELPER_C:%.c=$(BUILD)/%)
-SYS_FAULTS := $(BUILD)/tests/sim/test_sys_faults
-SIM_TESTS := $(filter-out $(SYS_FAULTS),$(filter $(BUILD)/tests/sim/%,$(TESTS)))
+SYS_TESTS := $(filter $(BUILD)/tests/sim/test_sys_%,$(TESTS))
+SIM_TESTS := $(filter-out $(SYS_TESTS),$(filter $(BUILD)/tests/sim/%,$(TESTS)))
 SIM_O := $(BUILD)/tests/sim/sim_board.o
 FAULT_O := $(patsubst %,$(BUILD)/faults/platform/linux/%.o,board bus_log can_socket timer)
 IMAGE_16 := $(BUILD)/id16/tests/unit/test_image
 
-.PHONY: all help run test clean san san-integer checked golden golden-update fuzz tidy size bench force bus-test bus-test-qemu targets target-test can-test stack budget-update proof install
+.PHONY: all help run test clean san san-integer checked golden golden-update fuzz tidy size stack budget-update \
+        proof install bench force targets target-test can-test bus-test bus-test-qemu bus-soak
 all: $(FRAY) ## build the `fray` command
 
 help: ## list the targets
@@ -57,7 +59,7 @@ $(TESTS) $(HELPERS): $(BUILD)/%: $(BUILD)/%.o $(TOOLS_LIB) $(RT_LIB)
 
 # Boards of their own: the bus in memory for the loop, and a kernel in memory for the board on Linux.
 $(SIM_TESTS): $(SIM_O)
-$(SYS_FAULTS): $(BUILD)/tests/sim/sys_faults.o $(FAULT_O)
+$(SYS_TESTS): $(BUILD)/tests/sim/sys_faults.o $(FAULT_O)
 
 $(BUILD)/faults/%.o: %.c
 	@mkdir -p $(@D)
@@ -102,10 +104,13 @@ golden-update: $(FRAY) $(HELPERS) ## write tests/golden anew; commit it alone an
 fuzz: $(FRAY) ## feed the parsers and the loader with damaged input, FUZZ_SECONDS each
 	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) sh tests/fuzz/fuzz.sh $(FUZZ_SECONDS)
 
-bus-test: $(FRAY) $(BUILD)/tests/bus/bare_timer ## live sessions on vcan, on the host or in a guest, with can-utils
+bus-test: $(FRAY) $(BUILD)/tests/bus/bare_timer $(BUILD)/tests/bus/flood_facts ## live sessions on vcan, on the host or in a guest, with can-utils
 	@FRAY=$(FRAY) BUILD=$(BUILD) sh tests/bus/run.sh
 
-bus-test-qemu: $(FRAY) ## the same bus on two emulated controllers, and on vcan with unpinned queues
+bus-soak: $(FRAY) $(BUILD)/tests/bus/bare_timer $(BUILD)/tests/bus/flood_facts ## bus-test with 200 kills, 30 s of lateness, a flood of 40 s
+	@FRAY=$(FRAY) BUILD=$(BUILD) FRAY_BUS_SOAK=1 sh tests/bus/run.sh
+
+bus-test-qemu: $(FRAY) $(BUILD)/tests/bus/bare_timer $(BUILD)/tests/bus/flood_facts ## the same bus on two emulated controllers, and on vcan with unpinned queues
 	@FRAY=$(FRAY) BUILD=$(BUILD) sh tests/bus/run.sh qemu
 
 targets: $(FRAY) $(HELPERS) ## firmwares of every bare-metal machine, and what they take of its memory

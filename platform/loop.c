@@ -16,12 +16,11 @@ void loop_begin(loop *l, fray_world *world, uint32_t instance) {
 
 void loop_protect(loop *l, guard *g) { l->in.guard = g; }
 
-static platform_result loop_send(loop *l, frame *f) {
-  if (GUARD_SET(l->in.guard) && !guard_seal(l->in.guard, f)) {
-    ++l->unsealed;
-    return PLATFORM_LOST;
-  }
-  return platform_send(f);
+/* 0: its lane of freshness is spent, it never goes out. */
+static int loop_seal(loop *l, frame *f) {
+  if (!GUARD_SET(l->in.guard) || guard_seal(l->in.guard, f)) return 1;
+  ++l->unsealed;
+  return 0;
 }
 
 void loop_command(loop *l, uint8_t verb) { l->command = verb; }
@@ -32,18 +31,34 @@ static void say_command(loop *l) {
   l->command_counter = (uint8_t)((l->command_counter + 1u) & 15u);
   const codec_command command = {l->command_counter, l->command, 0};
   codec_encode_command(&f, l->out.instance, &command);
-  if (loop_send(l, &f) != PLATFORM_SENT) return; /* tried again in the next tick */
+  if (!loop_seal(l, &f) || platform_send(&f) != PLATFORM_SENT) return; /* tried again in the next tick */
   l->input.verb = l->command;
   l->input.verb_counter = l->command_counter;
   l->command = FRAY_VERB_NONE;
 }
 
-/* Never inlined: its frames must not lie on the stack while the tick runs. */
-static __attribute__((noinline)) void send_outputs(loop *l) {
-  frame frames[PORT_OUT];
+static void drop_unsent(loop *l) {
+  l->frames_lost += l->unsent_count;
+  l->unsent_count = 0;
+}
+
+/* Once more, and before what is newer: a FORCE, ACK or TEAR that is missing on the bus makes a tick
+ * that no listener can replay. */
+static void send_unsent(loop *l) {
+  for (uint32_t n = 0; n < l->unsent_count; ++n)
+    if (platform_send(&l->unsent[n]) != PLATFORM_SENT) l->frames_lost += 1;
+  l->unsent_count = 0;
+}
+
+static void send_outputs(loop *l) {
   l->out.overruns = (uint16_t)(l->overruns < 65535u ? l->overruns : 65535u);
-  const uint32_t count = port_encode(&l->out, &l->output, frames);
-  for (uint32_t n = 0; n < count; ++n) (void)loop_send(l, &frames[n]);
+  const uint32_t count = port_encode(&l->out, &l->output, l->unsent);
+  for (uint32_t n = 0; n < count; ++n) {
+    frame *f = &l->unsent[n];
+    if (!loop_seal(l, f) || platform_send(f) == PLATFORM_SENT) continue;
+    if (l->unsent_count != n) bytes_copy(&l->unsent[l->unsent_count], f, sizeof *f);
+    l->unsent_count += 1;
+  }
 }
 
 static void obey_reset(loop *l) {
@@ -63,6 +78,7 @@ loop_result loop_run(loop *l) {
   if (platform_sync(&f, &l->in) != PLATFORM_SENT) {
     ++l->bus_losses;
     l->halt = 1;
+    drop_unsent(l); /* a force of before must not be the first word after */
     return LOOP_BUS_LOST;
   }
   port_take(&l->in, &l->input);
@@ -71,6 +87,7 @@ loop_result loop_run(loop *l) {
   if (l->command != FRAY_VERB_NONE) say_command(l);
   if (l->halt != 0 && l->input.verb != FRAY_VERB_HALT) return LOOP_BUS_LOST;
   l->halt = 0;
+  send_unsent(l);
   fray_tick(l->world, &l->input, &l->output);
   obey_reset(l);
   l->tick = l->output.tick + 1u;

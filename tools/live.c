@@ -15,7 +15,7 @@
 #include "platform/loop.h"
 
 /* A kill loses what the log has not written: 4 KiB are 14 ticks of two hands. */
-enum { FADE_TICKS_MAX = 11000, LOST_MAX = 1000, DRAIN_US = 20000, LOG_WRITE = 1 << 12 };
+enum { FADE_TICKS_MAX = 11000, LOST_MAX = 1000, DRAIN_US = 200000, LOG_WRITE = 1 << 12 };
 
 static volatile sig_atomic_t asked_to_stop;
 
@@ -55,7 +55,7 @@ static void fade_out(loop *l) {
     }
     ++ticks;
     if (l->command == FRAY_VERB_NONE && l->output.state != FRAY_OPERATIONAL &&
-        forces_are_zero(&l->output))
+        forces_are_zero(&l->output) && l->unsent_count == 0)
       return;
   }
 }
@@ -67,8 +67,8 @@ static void print_bus(const loop *l, const bus_key *key) {
          "             wrong length %u, wrong flags %u, wrong field %u, unknown id %u, queue full %u\n",
          b->can.name, p->accepted, p->repeated, p->old, p->lost, p->wrong_crc, p->wrong_length,
          p->wrong_flags, p->wrong_field, p->unknown_id, p->queue_full);
-  printf("             kernel drops %u, error frames %u, sends refused %u, SYNCs lost %u\n",
-         b->can.kernel_drops, b->can.error_frames, b->sends_dropped, l->bus_losses);
+  printf("             kernel drops %u, error frames %u, sends refused %u, frames lost %u, SYNCs lost %u\n",
+         b->can.kernel_drops, b->can.error_frames, b->sends_refused, l->frames_lost, l->bus_losses);
   printf("lateness     p50 %.0f us, p99 %.0f us, worst %.0f us; %u ticks missed\n",
          timer_quantile_us(&b->timer, 0.5), timer_quantile_us(&b->timer, 0.99),
          (double)b->timer.worst_ns / 1e3, l->overruns);

@@ -250,10 +250,39 @@ static int find_any(const reader *r, uint32_t hand, uint8_t counter, int limit,
   return 0;
 }
 
+/* The entry from which on each counter comes once before this line; *more: there are POSEs before. */
+static size_t last_round(const reader *r, uint32_t hand, int line, int *more) {
+  uint32_t poses = 0;
+  size_t at = 0;
+  while (at < r->log->count && r->log->entries[at].line < line) ++at;
+  for (*more = 0; at > 0; --at) {
+    fray_pose pose;
+    const frame *f = &r->log->entries[at - 1].frame;
+    if (codec_decode_pose(f, r->setting->instance, hand, &pose) != CODEC_OK) continue;
+    if (++poses < 16) continue;
+    *more = 1;
+    break;
+  }
+  return at;
+}
+
+/* A device that runs free can have been there before the runtime, and a listener too. The first POSE
+ * that was taken is then the last with its counter before its tick, not the first in the log. */
+static int find_first(const reader *r, uint32_t hand, uint32_t n, pose_search *search,
+                      fray_pose *pose) {
+  const replay_tick *tick = &r->out->ticks[n];
+  int more;
+  const size_t at = last_round(r, hand, tick->sync_line, &more);
+  if (!more) return 0;
+  search->at = at;
+  return find_any(r, hand, (uint8_t)(tick->force[hand][1] >> 4), line_limit(r, n), search, pose);
+}
+
 static int assign_poses(reader *r, uint32_t hand) {
   replay *out = r->out;
   uint8_t consumed = r->setting->consumed[hand];
   pose_search search = {0, {0, 0, 0}};
+  int is_first = 1;
   sequence_begin(&search.counters, consumed);
   for (uint32_t n = 0; n < out->count; ++n) {
     replay_tick *tick = &out->ticks[n];
@@ -262,7 +291,9 @@ static int assign_poses(reader *r, uint32_t hand) {
     if (says == consumed) continue;
     fray_pose *pose = &tick->input.pose[hand];
     const int limit = line_limit(r, n);
-    if (!find_accepted(r, hand, says, limit, &search, pose) &&
+    const int found = is_first && find_first(r, hand, n, &search, pose);
+    is_first = 0;
+    if (!found && !find_accepted(r, hand, says, limit, &search, pose) &&
         !find_any(r, hand, says, limit, &search, pose)) {
       return candump_fail(r->error, r->file, tick->force_line[hand], 0,
                           "tick %lu consumed a POSE %s with counter %d, which is not in the log",

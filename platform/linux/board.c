@@ -37,9 +37,16 @@ static void write_log(const frame *f, int64_t time_us) {
   bus_log_line(&linux_board.log, line, bytes);
 }
 
+static int send_frame(const frame *f) {
+  if (!can_send(&linux_board.can, f)) return 0;
+  ++linux_board.unconfirmed;
+  return 1;
+}
+
 static can_event receive(frame *f) {
   int64_t time_us;
   const can_event event = can_receive(&linux_board.can, f, &time_us);
+  if (event == CAN_ECHO && linux_board.unconfirmed > 0) --linux_board.unconfirmed;
   if (event != CAN_NOTHING) write_log(f, time_us);
   return event;
 }
@@ -49,7 +56,8 @@ void board_close(int64_t timeout_us) {
   const int64_t end_ns = timer_now_ns() + timeout_us * 1000;
   for (int waits = 0; waits < WAITS_TO_CLOSE && timer_now_ns() < end_ns;) {
     if (receive(&f) != CAN_NOTHING) continue;
-    if (can_wait(&linux_board.can, QUIET_US) == 0) break; /* a controller echoes late */
+    if (linux_board.unconfirmed == 0) break;
+    (void)can_wait(&linux_board.can, QUIET_US);
     ++waits;
   }
   bus_log_end(&linux_board.log);
@@ -65,17 +73,17 @@ static int same_frame(const frame *a, const frame *b) {
   return a->id == b->id && a->length == b->length && memcmp(a->data, b->data, a->length) == 0;
 }
 
-/* Everything up to the echo of the SYNC. Frames behind the cap stay in the socket's buffer. */
+/* Everything up to the echo of the SYNC. Frames behind the cap stay in the socket's buffer. The time
+ * runs from the first try to send: a process that was not run before it has lost nothing. */
 platform_result platform_sync(const frame *sync, port *p) {
+  int sent = send_frame(sync);
   const int64_t end_ns = timer_now_ns() + PLATFORM_CONFIRM_US * 1000;
   frame f;
-  int sent = 0;
   uint32_t reads = 0;
   uint32_t waits = 0;
   do {
     /* read before the look: a process that was not run for 2 ms still looks once more */
     const int late = timer_now_ns() >= end_ns;
-    if (!sent && !late) sent = can_send(&linux_board.can, sync);
     const can_event event = receive(&f);
     if (event == CAN_ECHO && same_frame(&f, sync)) return PLATFORM_SENT;
     if (event == CAN_RECEIVED) port_push(p, &f);
@@ -87,13 +95,14 @@ platform_result platform_sync(const frame *sync, port *p) {
       (void)can_wait(&linux_board.can, 100);
       ++waits;
     }
+    if (!sent && !late) sent = send_frame(sync);
   } while (reads < READS_PER_SYNC && waits < WAITS_PER_SYNC);
   if (reads == READS_PER_SYNC) ++linux_board.reads_capped;
   return PLATFORM_LOST;
 }
 
 platform_result platform_send(const frame *f) {
-  if (can_send(&linux_board.can, f)) return PLATFORM_SENT;
-  ++linux_board.sends_dropped;
+  if (send_frame(f)) return PLATFORM_SENT;
+  ++linux_board.sends_refused;
   return PLATFORM_LOST;
 }

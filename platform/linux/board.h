@@ -12,7 +12,8 @@ typedef struct {
   can_socket can;
   timer_grid timer;
   bus_log log;
-  uint32_t sends_dropped;
+  uint32_t sends_refused;
+  uint32_t unconfirmed;    /* sent, and their echo has not come yet */
   uint32_t reads_capped;   /* ticks in which more came than is read at once */
   volatile int stopping;   /* set by a signal handler: platform_wait() returns -1 */
 } board;
@@ -24,7 +25,7 @@ extern board linux_board;
  * must take them. `log_fd` is an open file or -1, and stays the caller's. Returns 1, or 0 after a
  * message to stderr. */
 int board_open(const char *interface, uint32_t instance, uint32_t rate_hz, int fd, int log_fd);
-/* Reads and logs what is still coming back, at most `timeout_us`, then closes. */
+/* Reads and logs until the echo of everything sent has come, at most `timeout_us`, then closes. */
 void board_close(int64_t timeout_us);
 
 #endif

@@ -28,8 +28,8 @@ static int set_filters(const can_socket *s, const can_setting *setting) {
     filters[n].can_id = setting->ids[n];
     filters[n].can_mask = CAN_SFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG;
   }
-  return setsockopt(s->fd, SOL_CAN_RAW, CAN_RAW_FILTER, filters,
-                    (socklen_t)(setting->count * sizeof filters[0]));
+  return sys_set_option(s->fd, SOL_CAN_RAW, CAN_RAW_FILTER, filters,
+                        (socklen_t)(setting->count * sizeof filters[0]));
 }
 
 static int set_options(const can_socket *s, const can_setting *setting) {
@@ -37,13 +37,16 @@ static int set_options(const can_socket *s, const can_setting *setting) {
   const int buffer = RECEIVE_BUFFER;
   const can_err_mask_t errors = CAN_ERR_TX_TIMEOUT | CAN_ERR_BUSOFF | CAN_ERR_RESTARTED;
   if (setting->fd &&
-      setsockopt(s->fd, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof on) != 0)
+      sys_set_option(s->fd, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof on) != 0)
     return -1;
-  (void)setsockopt(s->fd, SOL_SOCKET, SO_RCVBUF, &buffer, sizeof buffer); /* as much as allowed */
-  return setsockopt(s->fd, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, &on, sizeof on) |
-         setsockopt(s->fd, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors) |
-         setsockopt(s->fd, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on) |
-         setsockopt(s->fd, SOL_SOCKET, SO_TIMESTAMP, &on, sizeof on);
+  /* as much as is allowed */
+  (void)sys_set_option(s->fd, SOL_SOCKET, SO_RCVBUF, &buffer, sizeof buffer);
+  return sys_set_option(s->fd, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, &on, sizeof on) != 0 ||
+                 sys_set_option(s->fd, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors) != 0 ||
+                 sys_set_option(s->fd, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on) != 0 ||
+                 sys_set_option(s->fd, SOL_SOCKET, SO_TIMESTAMP, &on, sizeof on) != 0
+             ? -1
+             : 0;
 }
 
 /* Where the interface is, and that it takes what will be sent. */
@@ -51,11 +54,11 @@ static int find_interface(can_socket *s, const can_setting *setting, int *index)
   struct ifreq request;
   memset(&request, 0, sizeof request);
   snprintf(request.ifr_name, sizeof request.ifr_name, "%s", s->name);
-  if (ioctl(s->fd, SIOCGIFINDEX, &request) != 0)
+  if (sys_interface_index(s->fd, &request) != 0)
     return refuse(s, "no such interface", "; expected one that `ip link show type can` lists");
   *index = request.ifr_ifindex;
   if (!setting->sends_fd) return 1;
-  if (ioctl(s->fd, SIOCGIFMTU, &request) == 0 && request.ifr_mtu >= (int)CANFD_MTU) return 1;
+  if (sys_interface_mtu(s->fd, &request) == 0 && request.ifr_mtu >= (int)CANFD_MTU) return 1;
   fprintf(stderr,
           "%s: takes classic frames only (mtu %d), expected CAN FD, mtu 72: ip link set IFACE mtu 72, "
           "of a controller also `type can ... dbitrate N fd on`; or --classic-tags\n",
@@ -69,18 +72,18 @@ int can_open(can_socket *s, const char *interface, const can_setting *setting) {
   memset(s, 0, sizeof *s);
   memset(&address, 0, sizeof address);
   snprintf(s->name, sizeof s->name, "%s", interface);
-  s->fd = socket(PF_CAN, SOCK_RAW, CAN_RAW);
+  s->fd = sys_socket(PF_CAN, SOCK_RAW, CAN_RAW);
   if (s->fd < 0)
     return refuse(s, "no CAN socket", "; expected a kernel with CAN (modprobe can_raw)");
   if (!find_interface(s, setting, &address.can_ifindex)) return 0;
   address.can_family = AF_CAN;
   if (set_filters(s, setting) != 0 || set_options(s, setting) != 0)
     return refuse(s, "a socket option was refused", "");
-  if (bind(s->fd, (const struct sockaddr *)&address, sizeof address) != 0)
+  if (sys_bind(s->fd, (const struct sockaddr *)&address, sizeof address) != 0)
     return refuse(s, "cannot be bound", "");
   int fault = 0; /* an interface that is down can be bound, and says so here */
   socklen_t bytes = sizeof fault;
-  if (getsockopt(s->fd, SOL_SOCKET, SO_ERROR, &fault, &bytes) == 0 && fault != 0) {
+  if (sys_get_option(s->fd, SOL_SOCKET, SO_ERROR, &fault, &bytes) == 0 && fault != 0) {
     errno = fault;
     return refuse(s, "cannot be used", "; expected it to be up: ip link set IFACE up");
   }
@@ -88,7 +91,7 @@ int can_open(can_socket *s, const char *interface, const can_setting *setting) {
 }
 
 void can_close(can_socket *s) {
-  if (s->fd >= 0) close(s->fd);
+  if (s->fd >= 0) (void)sys_close(s->fd);
   s->fd = -1;
 }
 

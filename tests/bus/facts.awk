@@ -2,7 +2,8 @@
 # What a candump log of instance 0 says, as one line of NAME=VALUE for the shell. -v what=
 #   end   ticks, tears, fault bits of the last STATUS, and whether the last FORCE of each hand is zero
 #   stop  the poses end: ticks without one until STALE, and from there until every force is zero
-#   halt  the bus goes and comes back: forces that are not zero before START is accepted again
+#   halt  after a lost bus the runtime says HALT: forces that are not zero from there until START is
+#         accepted; of the last HALT, whether there were forces before it, and any after START
 function digit(c) { return index("0123456789ABCDEF", c) - 1 }
 function byte(data, n) { return digit(substr(data, 2 * n + 1, 1)) * 16 + digit(substr(data, 2 * n + 2, 1)) }
 function when(stamp) { return substr(stamp, 2, length(stamp) - 2) + 0 }
@@ -15,11 +16,8 @@ BEGIN { zero[1] = zero[2] = 1; start_us = -1 }
   seconds = when($1)
   if (id == "080") {
     ++ticks
-    gap = last_sync != "" ? seconds - last_sync : 0
-    last_sync = seconds
-    # the bus was gone for 0.2 s; a guest that stands still that long looks the same
-    if (gap > 0.15 && !gaps) { ++gaps; back = 1; forced_before = forced_now }
   }
+  if (id == "010" && byte(data, 2) == 5) { ++halts; back = 1; started = again = 0; forced_before = forced_now }
   if (id == "101" || id == "102") { last_pose = ticks; pose_seconds = seconds; stale = 0; forced = forced_now }
   if (id == "181" || id == "182") {
     hand = id - 180
@@ -45,5 +43,5 @@ END {
   if (what == "stop")
     printf "forced=%d stale_ticks=%d stale_ms=%.2f zero_ticks=%d zero_ms=%.2f\n", forced, stale - last_pose - 1,
       (stale_seconds - pose_seconds) * 1000, quiet - stale, (quiet_seconds - stale_seconds) * 1000
-  if (what == "halt") printf "gaps=%d halted=%d wrong=%d forced_before=%d again=%d\n", gaps, halted, wrong, forced_before, again
+  if (what == "halt") printf "halts=%d halted=%d wrong=%d forced_before=%d again=%d\n", halts, halted, wrong, forced_before, again
 }

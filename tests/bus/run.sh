@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # tests/bus/run.sh [NAME...]: `make bus-test`: the sessions of sessions.sh in one boot of the bed (the
 # host where it has vcan, else a guest), and the lateness of the host's own clock beside them.
+# FRAY_BUS_SOAK=1, `make bus-soak`: longer.
 # tests/bus/run.sh qemu: `make bus-test-qemu`: two emulated controllers; vcan with unpinned queues.
 . tests/lib/suite.sh
 guest=tests/bus/guest.sh
@@ -31,14 +32,14 @@ for tool in candump canplayer cansend; do
 done
 if [ $ready = 1 ]; then
   if [ "${1:-}" = qemu ]; then
-    export FRAY_GUEST=qemu FRAY_GUEST_SECONDS="${FRAY_GUEST_SECONDS:-300}"
+    export FRAY_GUEST=qemu FRAY_GUEST_SECONDS="${FRAY_GUEST_SECONDS:-900}"
     sessions controllers
     FRAY_GUEST_ORDER=0 sessions unpinned
   else
-    seconds=30
-    if [ "${CI:-}" = true ]; then seconds=10; fi
+    seconds=10
+    if [ "${FRAY_BUS_SOAK:-0}" = 1 ]; then seconds=30; fi
     echo "  figure 1 kHz for $seconds s, host without CAN: bare loop: $("$bare_timer" $seconds)"
-    export FRAY_GUEST_SECONDS="${FRAY_GUEST_SECONDS:-900}"
+    export FRAY_GUEST_SECONDS="${FRAY_GUEST_SECONDS:-3000}"
     sessions "$@"
   fi
 fi

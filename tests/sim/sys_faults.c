@@ -5,6 +5,7 @@
 #include "tests/sim/sys_faults.h"
 
 #include <linux/can.h>
+#include <linux/can/raw.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,6 +28,7 @@ void sys_begin(void) {
   sys.file = file;
   sys.now_ns = 5000000000;
   sys.disk_room = -1;
+  sys.call_ns = CALL_NS;
 }
 
 void sys_end(void) {
@@ -44,7 +46,7 @@ void sys_fail(uint32_t kinds, uint32_t n, uint32_t length, int error) {
 }
 
 static int fails(call_kind kind) {
-  sys.now_ns += CALL_NS;
+  sys.now_ns += sys.call_ns;
   ++sys.calls;
   if ((sys.kinds >> kind & 1u) == 0) return 0;
   ++sys.number;
@@ -55,15 +57,26 @@ static int fails(call_kind kind) {
   return 1;
 }
 
+static int passes(const frame *f) {
+  if (f->error || sys.filters == 0) return 1;
+  for (uint32_t n = 0; n < sys.filters; ++n)
+    if ((f->id & sys.filter[n].mask) == (sys.filter[n].id & sys.filter[n].mask)) return 1;
+  return 0;
+}
+
+/* Into the order of time; what comes at the same time, in the order of the calls. */
 static void bring(const frame *f, int own, int64_t after_ns) {
+  if (!passes(f)) return;
   if (sys.rx_count == KERNEL_FRAMES) abort();
-  const uint32_t n = sys.rx_count++;
-  const int64_t before = n == 0 ? 0 : sys.rx[n - 1].at_ns;
   const int64_t at_ns = sys.now_ns + after_ns;
+  uint32_t n = sys.rx_count++;
+  for (; n > sys.rx_taken && sys.rx[n - 1].at_ns > at_ns; --n) sys.rx[n] = sys.rx[n - 1];
   sys.rx[n].f = *f;
   sys.rx[n].own = (uint8_t)own;
-  sys.rx[n].at_ns = at_ns > before ? at_ns : before;
+  sys.rx[n].at_ns = at_ns;
 }
+
+void sys_say(const frame *f, int64_t after_ns) { bring(f, 0, after_ns); }
 
 void sys_command(uint8_t verb) {
   frame f;
@@ -79,7 +92,9 @@ void sys_error(uint32_t class) {
   f.id = class;
   f.error = 1;
   f.length = 8;
-  bring(&f, 0, 0);
+  /* after what is still on its way */
+  const int64_t last_ns = sys.rx_count > sys.rx_taken ? sys.rx[sys.rx_count - 1].at_ns : 0;
+  bring(&f, 0, last_ns > sys.now_ns ? last_ns - sys.now_ns : 0);
 }
 
 /* The device: one pose a hand for each new SYNC. */
@@ -98,11 +113,70 @@ static void answer(const frame *f) {
   }
 }
 
+int sys_socket(int domain, int type, int protocol) {
+  if (fails(CALL_SOCKET)) return -1;
+  if (domain != PF_CAN || type != SOCK_RAW || protocol != CAN_RAW) abort();
+  ++sys.sockets;
+  return KERNEL_FD;
+}
+
+int sys_interface_index(int fd, struct ifreq *request) {
+  if (fails(CALL_INTERFACE)) return -1;
+  if (fd != KERNEL_FD || strcmp(request->ifr_name, "sys0") != 0) abort();
+  request->ifr_ifindex = 7;
+  return 0;
+}
+
+int sys_interface_mtu(int fd, struct ifreq *request) {
+  if (fails(CALL_INTERFACE)) return -1;
+  if (fd != KERNEL_FD) abort();
+  request->ifr_mtu = CANFD_MTU;
+  return 0;
+}
+
+int sys_set_option(int fd, int level, int name, const void *value, socklen_t bytes) {
+  struct can_filter filters[KERNEL_FILTERS];
+  if (fails(CALL_SET_OPTION)) return -1;
+  if (fd != KERNEL_FD || bytes > sizeof filters) abort();
+  if (level != SOL_CAN_RAW || name != CAN_RAW_FILTER) return 0;
+  memcpy(filters, value, bytes);
+  sys.filters = bytes / sizeof filters[0];
+  for (uint32_t n = 0; n < sys.filters; ++n) {
+    sys.filter[n].id = filters[n].can_id;
+    sys.filter[n].mask = filters[n].can_mask;
+  }
+  return 0;
+}
+
+int sys_get_option(int fd, int level, int name, void *value, socklen_t *bytes) {
+  const int fault = sys.down ? ENETDOWN : 0;
+  if (fails(CALL_GET_OPTION)) return -1;
+  if (fd != KERNEL_FD || level != SOL_SOCKET || name != SO_ERROR || *bytes < sizeof fault) abort();
+  memcpy(value, &fault, sizeof fault);
+  return 0;
+}
+
+int sys_bind(int fd, const struct sockaddr *address, socklen_t bytes) {
+  struct sockaddr_can can;
+  if (fails(CALL_BIND)) return -1;
+  if (fd != KERNEL_FD || bytes != sizeof can) abort();
+  memcpy(&can, address, sizeof can);
+  if (can.can_family != AF_CAN || can.can_ifindex != 7) abort();
+  return 0;
+}
+
+/* Linux closes a descriptor also where close() fails. */
+int sys_close(int fd) {
+  if (fd != KERNEL_FD || sys.sockets == 0) abort();
+  --sys.sockets;
+  return fails(CALL_CLOSE) ? -1 : 0;
+}
+
 ssize_t sys_send(int fd, const void *data, size_t bytes) {
   struct canfd_frame raw;
   frame f;
-  (void)fd;
   if (fails(CALL_SEND)) return -1;
+  if (fd != KERNEL_FD) abort();
   memset(&raw, 0, sizeof raw);
   memcpy(&raw, data, bytes);
   memset(&f, 0, sizeof f);
@@ -131,12 +205,13 @@ static int has_frame(void) {
 
 ssize_t sys_recvmsg(int fd, struct msghdr *message) {
   struct can_frame raw;
-  (void)fd;
   if (fails(CALL_RECEIVE)) return -1;
+  if (fd != KERNEL_FD) abort();
   if (!has_frame()) {
     errno = EAGAIN;
     return -1;
   }
+  ++sys.reads;
   const uint32_t n = sys.rx_taken++;
   memset(&raw, 0, sizeof raw);
   raw.can_id = sys.rx[n].f.id | (sys.rx[n].f.error ? CAN_ERR_FLAG : 0);

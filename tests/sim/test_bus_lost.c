@@ -242,8 +242,26 @@ static void stop_while_lost(void) {
   end();
 }
 
-/* A FORCE that was dropped is not on the bus: the recording cannot be verified, and says where. */
-static void a_dropped_force_is_named(void) {
+/* What the board refuses is said in the next tick, and the recording holds. */
+static void a_refused_frame_is_said_again(void) {
+  begin();
+  session_poses(&s);
+  start(60);
+  for (uint32_t n = 0; n < 40; ++n) {
+    const int answered = n == 14;
+    if (answered) session_say(&s, FRAY_VERB_ZERO);
+    if (n % 10 == 4) sim.send_fails = answered ? 3 : 1 + n / 20; /* FORCE, FORCE, ACK */
+    CHECK_EQ_INT(one_tick(), LOOP_TICKED);
+    CHECK_EQ_INT(s.l.output.acked, answered ? FRAY_VERB_ZERO : FRAY_VERB_NONE);
+    CHECK_EQ_INT(s.l.unsent_count, n % 10 != 4 ? 0 : answered ? 3 : 1 + n / 20);
+  }
+  CHECK_EQ_INT(s.l.frames_lost, 0);
+  replays();
+  end();
+}
+
+/* A FORCE that is refused twice is not on the bus: the recording cannot be verified, and says where. */
+static void a_lost_force_is_named(void) {
   candump_log log;
   candump_error error;
   replay r;
@@ -251,9 +269,10 @@ static void a_dropped_force_is_named(void) {
   begin();
   session_poses(&s);
   for (uint32_t n = 0; n < 20; ++n) {
-    if (n == 10) sim.send_fails = 1;
+    if (n == 10) sim.send_fails = 3; /* of tick 10 both, and the left one again */
     CHECK_EQ_INT(one_tick(), LOOP_TICKED);
   }
+  CHECK_EQ_INT(s.l.frames_lost, 1);
   char *const text = sim_log(&bytes);
   CHECK(candump_parse_all("sim", text, bytes, &log, &error));
   const replay_setting setting = {0, s.f.facts.hands, s.f.facts.rate_hz, {0, 0}};
@@ -264,12 +283,34 @@ static void a_dropped_force_is_named(void) {
   end();
 }
 
+/* The bus is lost before it could be said again: no force of before comes after. */
+static void a_refused_force_is_dropped_with_the_bus(void) {
+  begin();
+  session_poses(&s);
+  start(60);
+  sim.send_fails = 2;
+  CHECK_EQ_INT(one_tick(), LOOP_TICKED);
+  CHECK_EQ_INT(s.l.unsent_count, 2);
+  lose(1, 0);
+  CHECK_EQ_INT(s.l.unsent_count, 0);
+  CHECK_EQ_INT(s.l.frames_lost, 2);
+  const size_t from = sim.count;
+  comes_back();
+  codec_force force;
+  for (size_t n = from; n < sim.count; ++n)
+    if (codec_decode_force(&sim.entries[n].f, 0, 0, &force) == CODEC_OK)
+      CHECK_EQ_INT(force.x | force.y | force.z, 0);
+  end();
+}
+
 int main(void) {
   TEST(lost_and_back);
   TEST(lost_when_idle);
   TEST(halt_waits_until_it_was_said);
   TEST(an_operators_command_gives_way);
   TEST(stop_while_lost);
-  TEST(a_dropped_force_is_named);
+  TEST(a_refused_frame_is_said_again);
+  TEST(a_lost_force_is_named);
+  TEST(a_refused_force_is_dropped_with_the_bus);
   return test_end();
 }

@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Every system call of the live loop fails in turn: the 1st, 2nd, ... of each kind, once and 50 times in a
- * row, with every plausible errno. Each case ends in a state that the protocol knows, ticks again within
+/* Every system call of the live loop, and of opening its socket, fails in turn: the 1st, 2nd, ... of
+ * each kind, once and 50 times in a row, with every plausible errno. Each case ends in a state that the protocol knows, ticks again within
  * 100 ms of the last fault, and the log has every frame that the socket gave, in order. */
+#define _GNU_SOURCE /* fileno, dup2 */
+
 #include <errno.h>
 #include <linux/can/error.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 #include "platform/linux/board.h"
 #include "platform/log/candump.h"
@@ -13,6 +16,7 @@
 #include "tests/sim/sys_faults.h"
 
 enum {
+  LOG_FD = 9,
   POSITIONS = 32,      /* n of the n-th call */
   ROW = 50,
   SETTLED_TICKS = 30,  /* watched after the last fault */
@@ -24,7 +28,9 @@ enum {
 static const int errors[] = {ENOBUFS, EAGAIN, EINTR, ENETDOWN, EIO, ENOSPC, ENOMEM};
 enum { ERRORS = sizeof errors / sizeof *errors };
 static const char *const call_names[CALLS] = {"recvmsg", "send", "ppoll", "clock_nanosleep",
-                                              "clock_gettime", "write of the log"};
+                                              "clock_gettime", "write of the log", "socket",
+                                              "SIOCGIFINDEX", "setsockopt", "getsockopt", "bind",
+                                              "close"};
 
 static fixture saved;
 static void *memory;
@@ -48,12 +54,8 @@ static void begin(void) {
   const fray_facts facts = fray_describe(world);
   sys_begin();
   sys.counter = facts.consumed[0];
-  memset(&linux_board, 0, sizeof linux_board);
-  linux_board.can.fd = -1;
-  snprintf(linux_board.can.name, sizeof linux_board.can.name, "sys0");
-  bus_log_begin(&linux_board.log, 9);
+  if (!board_open("sys0", 0, facts.rate_hz, 0, LOG_FD)) complain("not opened", 0);
   linux_board.log.write_at = 256;
-  timer_begin(&linux_board.timer, facts.rate_hz);
   loop_begin(&l, world, 0);
 }
 
@@ -135,7 +137,7 @@ static void one_case(call_kind kind, uint32_t n, uint32_t length, int error) {
 }
 
 static void every_call_in_turn(void) {
-  for (uint32_t kind = 0; kind < CALLS; ++kind)
+  for (uint32_t kind = 0; kind < CALLS_OF_LOOP; ++kind)
     for (uint32_t e = 0; e < ERRORS; ++e)
       for (uint32_t n = 1; n <= POSITIONS; ++n) {
         one_case((call_kind)kind, n, 1, errors[e]);
@@ -145,8 +147,8 @@ static void every_call_in_turn(void) {
 
 /* Two kinds of calls at once. */
 static void every_pair(void) {
-  for (uint32_t a = 0; a < CALLS; ++a)
-    for (uint32_t b = a + 1; b < CALLS; ++b)
+  for (uint32_t a = 0; a < CALLS_OF_LOOP; ++a)
+    for (uint32_t b = a + 1; b < CALLS_OF_LOOP; ++b)
       for (uint32_t e = 0; e < ERRORS; ++e)
         for (uint32_t n = 1; n <= POSITIONS; n += 3) {
           in = call_names[b];
@@ -162,7 +164,7 @@ static void every_pair(void) {
 
 /* From the first call of the loop on, as when it begins with a bus that is down. */
 static void from_the_first_call(void) {
-  for (uint32_t kind = 0; kind < CALLS; ++kind)
+  for (uint32_t kind = 0; kind < CALLS_OF_LOOP; ++kind)
     for (uint32_t e = 0; e < ERRORS; ++e) {
       in = call_names[kind];
       ++cases;
@@ -174,9 +176,63 @@ static void from_the_first_call(void) {
     }
 }
 
+/* Runs with stderr going to a file; returns how much was said there. */
+static long opened_quietly(int *opened) {
+  FILE *const said = tmpfile();
+  const int kept = dup(2);
+  if (said == NULL || kept < 0 || dup2(fileno(said), 2) < 0) abort();
+  *opened = board_open("sys0", 0, 1000, 1, LOG_FD);
+  fflush(stderr);
+  const long bytes = lseek(fileno(said), 0, SEEK_END);
+  (void)dup2(kept, 2);
+  (void)close(kept);
+  (void)fclose(said);
+  return bytes;
+}
+
+/* Either it is refused, with words and without a socket left open, or it works without what failed:
+ * a larger buffer, a look at the interface. Then, with the fault gone, it opens and ticks. */
+static void one_opening(call_kind kind, uint32_t n, int error) {
+  in = call_names[kind];
+  ++cases;
+  sys_begin();
+  sys_fail(1u << kind, n, 1, error);
+  int opened;
+  const long said = opened_quietly(&opened);
+  const uint32_t failed = sys.failed;
+  const uint32_t buffer = 3; /* setsockopt: filters, FD frames, then this */
+  const int may_fail = failed == 0 || kind == CALL_GET_OPTION || kind == CALL_NOW ||
+                       (kind == CALL_SET_OPTION && n == buffer);
+  if (opened != may_fail) complain("opened", opened);
+  if ((said == 0) != opened) complain("bytes said", said);
+  if (sys.sockets != (uint32_t)opened) complain("sockets open", sys.sockets);
+  board_close(0);
+  if (sys.sockets != 0) complain("sockets left open", sys.sockets);
+  begin();
+  for (int tick = 0; tick < 5; ++tick)
+    if (run() != LOOP_TICKED) complain("no tick", tick);
+  end();
+  (void)check_log(0);
+}
+
+static void while_it_opens(void) {
+  const uint32_t before = cases;
+  for (uint32_t kind = CALL_NOW; kind < CALLS; ++kind)
+    for (uint32_t e = 0; e < ERRORS; ++e)
+      for (uint32_t n = 1; n <= 9; ++n) one_opening((call_kind)kind, n, errors[e]);
+  in = "interface down";
+  sys_begin();
+  sys.down = 1;
+  int opened;
+  CHECK(opened_quietly(&opened) > 0);
+  CHECK_EQ_INT(opened, 0);
+  CHECK_EQ_INT(sys.sockets, 0);
+  figure("sys_fault_cases_opening", cases - before, "", "every call: refused with words, or works");
+}
+
 /* While what is still on its way is read, and the log is written out. */
 static void in_the_end(void) {
-  for (uint32_t kind = 0; kind < CALLS; ++kind)
+  for (uint32_t kind = 0; kind < CALLS_OF_LOOP; ++kind)
     for (uint32_t e = 0; e < ERRORS; ++e)
       for (uint32_t n = 1; n <= POSITIONS; ++n)
         for (uint32_t length = 1; length <= ROW; length += ROW - 1) {
@@ -334,6 +390,7 @@ int main(void) {
   TEST(every_call_in_turn);
   TEST(every_pair);
   TEST(from_the_first_call);
+  TEST(while_it_opens);
   TEST(in_the_end);
   TEST(reset_and_start);
   TEST(forever);

@@ -14,10 +14,10 @@ check() { # WHAT COMMAND...
 }
 # FILE INTERFACE FRAMES: candump -L into FILE, back when the kernel has it on its list of receivers
 listen() {
-  timeout 20 candump -L -n "$3" "$2" >"$1" &
+  timeout 60 candump -L -n "$3" "$2" >"$1" &
   listener=$!
   tries=0
-  until grep -qs " $2 " /proc/net/can/rcvlist_all || [ $tries -eq 200 ]; do
+  until grep -qs " $2 " /proc/net/can/rcvlist_all || [ $tries -eq 1000 ]; do
     tries=$((tries + 1))
     sleep 0.02
   done
@@ -74,7 +74,7 @@ if [ "${1:-}" = controllers ]; then
   wait $listener
   check 'can0 to can1: 11-bit, 29-bit, remote' [ "$(frames right.log | tr '\n' ' ')" = '123#DEADBEEF 1F334455#1122334455667788 124#R ' ]
   listen left.log can0 200
-  cangen can1 -n 200 -g 1 -I i -L 8 -D i
+  taskset -c 0 cangen can1 -n 200 -g 1 -I i -L 8 -D i
   wait $listener
   check 'can1 to can0: 200 frames' lines left.log 200
   check 'can1 to can0: in order' sh -c "cut -d' ' -f3 left.log | cut -d'#' -f1 | sort -c"
