@@ -11,7 +11,7 @@ calls=40
 work=$FRAY_BUILD/bus/cmac
 rm -rf "$work"
 mkdir -p "$work"
-sources="rt/wire/cmac.c rt/wire/auth.c rt/base/bytes.c tests/bus/cmac_constant.c"
+sources="rt/wire/cmac.c rt/wire/auth.c rt/wire/dictionary.c rt/base/bytes.c tests/bus/cmac_constant.c"
 
 # The linker binds at the start: else the first call of memcpy would be dearer.
 build() { # NAME COMPILER OPTION...

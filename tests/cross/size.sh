@@ -149,7 +149,7 @@ measure_ram() {
   for sheet in $sheets; do
     scene "${sheet%x*}" "${sheet#*x}" >"$work/$sheet.scene"
     "$FRAY" scene "$work/$sheet.scene" -o "$work/$sheet.img" >/dev/null
-    set -- "$@" "s$sheet" "$work/$sheet.img" - 1
+    set -- "$@" "s$sheet" "$work/$sheet.img" - - 1
   done
   suite_make BUILD="$FRAY_BUILD" "$FRAY_BUILD/tests/cross/emit"
   "$FRAY_BUILD/tests/cross/emit" "$@" | sed 's/"s\([0-9]*x[0-9]*\)"/"\1"/' >"$work/sheets.c"
@@ -171,7 +171,7 @@ measure_ram() {
 measure_microbit() { # BYTES of its world
   elf=$work/microbit.elf
   suite_make BUILD="$FRAY_BUILD" "$FRAY_BUILD/tests/cross/emit"
-  "$FRAY_BUILD/tests/cross/emit" sheet "$work/8x8.img" "$stack_work/torn.log" 1050 >"$work/microbit.c"
+  "$FRAY_BUILD/tests/cross/emit" sheet "$work/8x8.img" "$stack_work/torn.log" 1:680:720 1050 >"$work/microbit.c"
   if ! sh tests/target/target.sh firmware microbit -Os "$elf" tests/stack/firmware.c "$work/microbit.c" \
     platform/loop.c rt/*/*.c -DFIRMWARE_MEMORY="$1" -DFIRMWARE_SAVES=0; then
     fail "8x8 does not fit a microbit"
