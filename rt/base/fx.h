@@ -36,6 +36,25 @@
 #define FX_WRAPS
 #endif
 
+/* Cores that do one thing at a time: what almost never happens is cheapest behind a branch, where
+ * wide cores want selections, so that loops vectorise. The results are the same. */
+#ifndef FX_NARROW
+#if (defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M') || \
+    (defined(__riscv_xlen) && __riscv_xlen == 32)
+#define FX_NARROW 1
+#else
+#define FX_NARROW 0
+#endif
+#endif
+
+#ifndef FX_NO_LONG_MULTIPLY
+#if defined(__ARM_ARCH) && __ARM_ARCH == 6 && defined(__thumb__) && !defined(__thumb2__)
+#define FX_NO_LONG_MULTIPLY 1
+#else
+#define FX_NO_LONG_MULTIPLY 0
+#endif
+#endif
+
 enum { FX_POSITION_BITS = 24, FX_VELOCITY_BITS = 28, FX_SUB_BITS = 4 };
 #define FX_LU ((int32_t)1 << FX_POSITION_BITS)
 #define FX_WORLD_MAX (60 * FX_LU)
@@ -50,7 +69,14 @@ FX_WRAPS static inline int32_t fx_wrap_sub(int32_t a, int32_t b) {
 FX_WRAPS static inline int32_t fx_wrap_shift(int32_t v, unsigned s) {
   return (int32_t)((uint32_t)v << s);
 }
+FX_WRAPS static inline int32_t fx_wrap_mul(int32_t a, int32_t b) {
+  return (int32_t)((uint32_t)a * (uint32_t)b);
+}
 FX_WRAPS static inline uint32_t fx_wrap_mul_u(uint32_t a, uint32_t b) { return a * b; }
+
+/* Arithmetic shift right (floor), without shifting a negative value; compilers fold it. */
+static inline int32_t fx_asr(int32_t v, unsigned s) { return v < 0 ? ~(~v >> s) : v >> s; }
+static inline int64_t fx_asr64(int64_t v, unsigned s) { return v < 0 ? ~(~v >> s) : v >> s; }
 
 static inline int32_t fx_add(int32_t a, int32_t b) {
   FX_CHECK((int64_t)a + b == fx_wrap_add(a, b));
@@ -65,7 +91,46 @@ FX_WRAPS static inline int32_t fx_mul(int32_t a, int32_t b) {
   FX_CHECK((int64_t)a * b == product);
   return product;
 }
-static inline int64_t fx_mul_wide(int32_t a, int32_t b) { return (int64_t)a * b; }
+/* Products of 32 bits by 32 in full. Armv6-M has no such instruction, and its library multiplies
+ * 64 bits by 64. */
+static inline uint64_t fx_mul_wide_u(uint32_t a, uint32_t b) {
+#if FX_NO_LONG_MULTIPLY
+  const uint32_t a0 = a & 0xFFFFu;
+  const uint32_t a1 = a >> 16;
+  const uint32_t b0 = b & 0xFFFFu;
+  const uint32_t b1 = b >> 16;
+  const uint32_t low = a0 * b0;
+  const uint32_t middle = a1 * b0 + (low >> 16); /* below 2^32 */
+  const uint32_t cross = a0 * b1 + (middle & 0xFFFFu);
+  const uint32_t high = a1 * b1 + (middle >> 16) + (cross >> 16);
+  return (uint64_t)high << 32 | (cross << 16 | (low & 0xFFFFu));
+#else
+  return (uint64_t)a * b;
+#endif
+}
+FX_WRAPS static inline int64_t fx_mul_wide(int32_t a, int32_t b) {
+#if FX_NO_LONG_MULTIPLY
+  const uint64_t product = fx_mul_wide_u((uint32_t)a, (uint32_t)b);
+  const uint32_t correction =
+      ((uint32_t)fx_asr(a, 31) & (uint32_t)b) + ((uint32_t)fx_asr(b, 31) & (uint32_t)a);
+  return (int64_t)(product - ((uint64_t)correction << 32));
+#else
+  return (int64_t)a * b;
+#endif
+}
+static inline uint32_t fx_magnitude(int32_t v) {
+  return v < 0 ? (uint32_t) - (int64_t)v : (uint32_t)v;
+}
+static inline uint64_t fx_square(int32_t v) {
+#if FX_NO_LONG_MULTIPLY
+  const uint32_t m = fx_magnitude(v);
+  const uint32_t low = m & 0xFFFFu;
+  const uint32_t high = m >> 16;
+  return ((uint64_t)(high * high) << 32 | low * low) + ((uint64_t)(low * high) << 17);
+#else
+  return (uint64_t)fx_mul_wide(v, v);
+#endif
+}
 FX_WRAPS static inline int64_t fx_add64(int64_t a, int64_t b) {
   const int64_t sum = (int64_t)((uint64_t)a + (uint64_t)b);
   FX_CHECK(((a ^ sum) & (b ^ sum)) >= 0);
@@ -78,10 +143,6 @@ FX_WRAPS static inline int64_t fx_mul64(int64_t a, int64_t b) {
 #endif
   return (int64_t)((uint64_t)a * (uint64_t)b);
 }
-
-/* Arithmetic shift right (floor), without shifting a negative value; compilers fold it. */
-static inline int32_t fx_asr(int32_t v, unsigned s) { return v < 0 ? ~(~v >> s) : v >> s; }
-static inline int64_t fx_asr64(int64_t v, unsigned s) { return v < 0 ? ~(~v >> s) : v >> s; }
 
 /* Shift right by s >= 1, round to nearest, halves away from zero: odd-symmetric, so a mirrored
  * input gives the mirrored result. */
@@ -104,18 +165,35 @@ static inline int32_t fx_clamp(int32_t v, int32_t low, int32_t high) {
 static inline int64_t fx_clamp64(int64_t v, int64_t low, int64_t high) {
   return v < low ? low : (v > high ? high : v);
 }
+/* To 16 bits; an instruction where there is one, and compilers do not always see it. */
+static inline int32_t fx_saturate16(int32_t v) {
+#ifdef __ARM_FEATURE_SAT
+  return __builtin_arm_ssat(v, 16);
+#else
+  return fx_clamp(v, INT16_MIN, INT16_MAX);
+#endif
+}
 /* To 32 bits, +-(2^31 - 1): symmetric. */
 static inline int32_t fx_saturate(int64_t v) {
   return (int32_t)fx_clamp64(v, -(int64_t)INT32_MAX, INT32_MAX);
 }
-/* a + b, saturated to +-(2^31 - 1), in 32 bits: a loop of these vectorises. */
+/* The same for a value that is almost never outside. */
+static inline int32_t fx_clamp_rare(int32_t v, int32_t low, int32_t high) {
+#if FX_NARROW
+  const uint32_t above = (uint32_t)fx_wrap_sub(v, low);
+  if (__builtin_expect(above <= (uint32_t)fx_wrap_sub(high, low), 1)) return v;
+#endif
+  return fx_clamp(v, low, high);
+}
+/* a + b, saturated to +-(2^31 - 1), in 32 bits. */
 static inline int32_t fx_add_saturated(int32_t a, int32_t b) {
   const int32_t sum = fx_wrap_add(a, b);
+#if FX_NARROW
+  int32_t same;
+  if (__builtin_expect(!__builtin_add_overflow(a, b, &same) && sum != INT32_MIN, 1)) return sum;
+#endif
   const int32_t bound = a < 0 ? -INT32_MAX : INT32_MAX;
   return fx_max(((a ^ sum) & (b ^ sum)) < 0 ? bound : sum, -INT32_MAX);
-}
-static inline uint32_t fx_magnitude(int32_t v) {
-  return v < 0 ? (uint32_t) - (int64_t)v : (uint32_t)v;
 }
 
 static inline unsigned fx_leading_zeros64(uint64_t v) { return (unsigned)__builtin_clzll(v); }
@@ -131,29 +209,34 @@ typedef struct {
 /* Newton steps from a chord in two pieces (2.4% off at worst): relative error below 2^-28 after
  * three (FX_ROOT_FINE), 2^-19 after two (FX_ROOT_COARSE), measured in tests/unit. n >= 1. */
 enum { FX_ROOT_COARSE = 2, FX_ROOT_FINE = 3 };
-static inline fx_root fx_rsqrt(uint64_t n, int steps) {
+FX_WRAPS static inline fx_root fx_rsqrt(uint64_t n, int steps) {
   const unsigned lz = fx_leading_zeros64(n) & ~1u;
   fx_root r;
   r.m = (uint32_t)((n << lz) >> 32);
   r.h = 31u - (lz >> 1);
-  uint64_t y = r.m < 0x80000000u ? 2716337504u - (((uint64_t)r.m * 616403730u) >> 30)
-                                 : 1922456487u - (((uint64_t)r.m * 217931629u) >> 30);
+  uint32_t y = r.m < 0x80000000u ? 2716337504u - (uint32_t)(fx_mul_wide_u(r.m, 616403730u) >> 30)
+                                 : 1922456487u - (uint32_t)(fx_mul_wide_u(r.m, 217931629u) >> 30);
   for (int step = 0; step < steps; ++step) {
-    const uint64_t squared = (y * y) >> 31;
-    const uint64_t unity = ((uint64_t)r.m * squared) >> 30; /* m * y * y in Q31, near 1 */
-    y = (y * (3u * (uint64_t)0x80000000u - unity)) >> 32;
+    const uint32_t squared = (uint32_t)(fx_mul_wide_u(y, y) >> 31);
+    const uint32_t unity = (uint32_t)(fx_mul_wide_u(r.m, squared) >> 30); /* m * y * y in Q31 */
+    /* y * (3 - unity) / 2, where y is below 1 before each step */
+    const int32_t short_of = (int32_t)(0x80000000u - unity);
+    y += (uint32_t)fx_asr64(fx_mul_wide((int32_t)y, short_of), 32);
   }
-  r.inverse = (uint32_t)(y > 0x80000000u ? 0x80000000u : y);
+  r.inverse = y > 0x80000000u ? 0x80000000u : y;
   return r;
 }
 /* sqrt(n) rounded down to within its relative error; below 2^32. */
 static inline uint32_t fx_root_length(fx_root r) {
-  const uint64_t root_q61 = (uint64_t)r.m * r.inverse;
+  const uint64_t root_q61 = fx_mul_wide_u(r.m, r.inverse);
   return (uint32_t)(root_q61 >> (61u - r.h));
 }
 /* v / sqrt(n) in Q30, for |v| <= sqrt(n): one component of the unit vector. */
-static inline int32_t fx_root_unit(fx_root r, int32_t v) {
-  const int64_t unit = fx_round64(fx_mul64(v, (int64_t)r.inverse), r.h + 1u);
+FX_WRAPS static inline int32_t fx_root_unit(fx_root r, int32_t v) {
+  /* inverse is above 2^30: with 2^31 taken off it fits a signed word */
+  const int64_t product =
+      fx_mul_wide(v, (int32_t)(r.inverse - 0x80000000u)) + (int64_t)v * ((int64_t)1 << 31);
+  const int64_t unit = fx_round64(product, r.h + 1u);
   return (int32_t)fx_clamp64(unit, -((int64_t)1 << 30), (int64_t)1 << 30);
 }
 

@@ -17,7 +17,7 @@ FX_WRAPS static inline uint32_t random_bits(uint32_t seed, uint32_t element) {
 /* Uniform in [low, high], both in the caller's format. */
 static inline int32_t random_between(uint32_t seed, uint32_t element, int32_t low, int32_t high) {
   const uint32_t span = (uint32_t)fx_sub(high, low) + 1u;
-  return fx_add(low, (int32_t)(((uint64_t)random_bits(seed, element) * span) >> 32));
+  return fx_add(low, (int32_t)(fx_mul_wide_u(random_bits(seed, element), span) >> 32));
 }
 
 #endif

@@ -21,8 +21,7 @@ static inline vec3 vec_sub(vec3 a, vec3 b) {
 }
 /* |v|^2; below 3 * 2^62. */
 static inline uint64_t vec_squared(vec3 v) {
-  return (uint64_t)fx_mul_wide(v.x, v.x) + (uint64_t)fx_mul_wide(v.y, v.y) +
-         (uint64_t)fx_mul_wide(v.z, v.z);
+  return fx_square(v.x) + fx_square(v.y) + fx_square(v.z);
 }
 /* a . unit, where unit is Q30: in a's format. Fits: |a . unit| <= |a| < 2^32, saturated. */
 static inline int32_t vec_dot_unit(vec3 a, vec3 unit) {

@@ -78,7 +78,7 @@ static vec3 body_axis(const body *s, uint32_t n) {
 /* Depth below the surface of a ball around the origin, `skin` included; the normal if positive. */
 static int32_t ball_depth(vec3 d, int32_t radius, vec3 *normal) {
   const uint64_t n = vec_squared(d);
-  if (n >= (uint64_t)fx_mul_wide(radius, radius)) return 0;
+  if (n >= fx_square(radius)) return 0;
   if (n == 0) {
     *normal = vec_make(0, 1 << 30, 0);
     return radius;
@@ -127,7 +127,7 @@ static int32_t depth_in(const body *s, vec3 d, int32_t skin, vec3 *normal) {
  * else `limit` of it. */
 static vec3 friction(vec3 slip, int32_t limit) {
   const uint64_t n = vec_squared(slip);
-  if (n <= (uint64_t)fx_mul_wide(limit, limit)) return slip;
+  if (n <= fx_square(limit)) return slip;
   const fx_root root = fx_rsqrt(n, FX_ROOT_FINE);
   const vec3 unit = vec_make(fx_root_unit(root, slip.x), fx_root_unit(root, slip.y),
                              fx_root_unit(root, slip.z));

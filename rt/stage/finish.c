@@ -11,7 +11,7 @@ static void take_over(const int32_t *restrict x, const int32_t *restrict q, int3
                       uint32_t first, uint32_t end) {
   for (uint32_t p = first; p < end; ++p)
     v[p] = fx_add_saturated(
-        v[p], fx_clamp(fx_sub(x[p], q[p]), -MOVED_MAX, MOVED_MAX) * (1 << FX_SUB_BITS));
+        v[p], fx_clamp_rare(fx_sub(x[p], q[p]), -MOVED_MAX, MOVED_MAX) * (1 << FX_SUB_BITS));
 }
 
 static void settle_contact(fray_world *w, const contact *c) {

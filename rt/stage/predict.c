@@ -3,6 +3,8 @@
  * and 4: explicit Euler); bodies move on and carry the particles that they hold. */
 #include "rt/stage/stage.h"
 
+enum { SPEED_MAX = INT32_MAX - (1 << 25) };
+
 /* Gravity per substep is not a whole number of velocity steps; the fraction accumulates. */
 static int32_t gravity_step(int32_t whole, int32_t rest, int32_t *phase) {
   const uint64_t sum = (uint64_t)(uint32_t)*phase + (uint32_t)rest;
@@ -16,11 +18,11 @@ static uint32_t advance(int32_t *restrict x, int32_t *restrict q, int32_t *restr
                         int8_t *restrict r, uint32_t first, uint32_t end, int32_t gravity) {
   uint32_t at_edge = 0;
   for (uint32_t p = first; p < end; ++p) {
-    const int32_t speed = fx_clamp(v[p], -INT32_MAX + (1 << 25), INT32_MAX - (1 << 25)) + gravity;
+    const int32_t speed = fx_clamp_rare(v[p], -SPEED_MAX, SPEED_MAX) + gravity;
     const int32_t step = speed + r[p];
     const int32_t whole = fx_round(step, FX_SUB_BITS);
     const int32_t moved = fx_add(x[p], whole);
-    const int32_t place = fx_clamp(moved, -FX_WORLD_MAX, FX_WORLD_MAX);
+    const int32_t place = fx_clamp_rare(moved, -FX_WORLD_MAX, FX_WORLD_MAX);
     at_edge |= (uint32_t)(moved ^ place);
     v[p] = speed;
     r[p] = (int8_t)(step - whole * (1 << FX_SUB_BITS));

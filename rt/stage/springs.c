@@ -6,28 +6,41 @@
  * half to the body. */
 #include "rt/stage/stage.h"
 
+static const uint32_t RATIO_MAX = 8u << 28;
+
+/* d * share * 2^-down, rounded. Above 32 bits of shift the upper word has it all, and it fits. */
+static int32_t impulse_far(int32_t d, int32_t share, unsigned down) {
+  const int64_t product = fx_mul_wide(d, share);
+  const int64_t sum = product + fx_asr64(product, 63) + ((int64_t)1 << (down - 1u));
+  return fx_asr((int32_t)fx_asr64(sum, 32), down - 32u);
+}
+static int32_t impulse_near(int32_t d, int32_t share, unsigned down) {
+  return fx_saturate(fx_round64(fx_mul_wide(d, share), down));
+}
+
 /* dv of end i in Q28 lu per substep; end j gets the opposite. With s = 1 - rest/|d| in Q28 this is
  * d * s * gain; rest/|d| is bounded by 8, so that a spring pressed to a point does not explode. */
-static int spring_impulse(const fray_world *w, uint32_t row, const spring_class *c, int32_t dv[3]) {
-  const vec3 d = vec_sub(world_position(w, w->row_j[row]), world_position(w, w->row_i[row]));
+static inline int spring_impulse(vec3 d, const spring_class *c, vec3 *dv) {
   const uint64_t n = vec_squared(d);
-  const uint64_t rest2 = (uint64_t)fx_mul_wide(c->rest, c->rest);
-  if (n == 0 || (c->compression_only != 0 && n >= rest2)) return 0;
+  if (c->compression_only != 0 && n >= fx_square(c->rest)) return 0;
+  if (n == 0) return 0;
   const fx_root root = fx_rsqrt(n, FX_ROOT_COARSE);
-  const uint64_t ratio = ((uint64_t)(uint32_t)c->rest * root.inverse) >> (3u + root.h);
-  const int64_t s = ((int64_t)1 << 28) - (int64_t)(ratio < (8u << 28) ? ratio : 8u << 28);
-  const int64_t share = fx_asr64(fx_mul64(s, c->mantissa), 16);
+  const uint64_t ratio = fx_mul_wide_u((uint32_t)c->rest, root.inverse) >> (3u + root.h);
+  const uint32_t bounded = ratio < RATIO_MAX ? (uint32_t)ratio : RATIO_MAX;
+  const int32_t s = fx_wrap_sub(1 << 28, (int32_t)bounded);
+  const int32_t share = (int32_t)fx_asr64(fx_mul_wide(s, c->mantissa), 16);
   const unsigned down = 8u + (unsigned)c->shift;
-  dv[0] = fx_saturate(fx_round64(fx_mul64(d.x, share), down));
-  dv[1] = fx_saturate(fx_round64(fx_mul64(d.y, share), down));
-  dv[2] = fx_saturate(fx_round64(fx_mul64(d.z, share), down));
+  *dv = down > 32u ? vec_make(impulse_far(d.x, share, down), impulse_far(d.y, share, down),
+                              impulse_far(d.z, share, down))
+                   : vec_make(impulse_near(d.x, share, down), impulse_near(d.y, share, down),
+                              impulse_near(d.z, share, down));
   return 1;
 }
 
-static void push(fray_world *w, uint32_t p, const int32_t dv[3], int64_t sign) {
-  w->vx[p] = fx_saturate(w->vx[p] + sign * dv[0]);
-  w->vy[p] = fx_saturate(w->vy[p] + sign * dv[1]);
-  w->vz[p] = fx_saturate(w->vz[p] + sign * dv[2]);
+static inline void push(fray_world *w, uint32_t p, int32_t x, int32_t y, int32_t z) {
+  w->vx[p] = fx_add_saturated(w->vx[p], x);
+  w->vy[p] = fx_add_saturated(w->vy[p], y);
+  w->vz[p] = fx_add_saturated(w->vz[p], z);
 }
 
 static void run_batch(fray_world *w, const row_batch *batch) {
@@ -35,14 +48,17 @@ static void run_batch(fray_world *w, const row_batch *batch) {
   const uint32_t end = first + (uint32_t)batch->count;
   for (uint32_t row = first; row < end; ++row) {
     const uint32_t kind = w->row_class[row];
-    int32_t dv[3];
-    if (kind == ROW_DEAD || !spring_impulse(w, row, &w->springs[kind], dv)) continue;
-    push(w, w->row_j[row], dv, -1);
+    if (kind == ROW_DEAD) continue;
+    const uint32_t i = w->row_i[row];
+    const uint32_t j = w->row_j[row];
+    vec3 dv;
+    if (!spring_impulse(vec_sub(world_position(w, j), world_position(w, i)), &w->springs[kind], &dv))
+      continue;
+    push(w, j, -dv.x, -dv.y, -dv.z);
     if (batch->held == BATCH_HELD)
-      body_gave(&w->motion[w->grip_body[w->row_i[row]]], -(int64_t)dv[0], -(int64_t)dv[1],
-                -(int64_t)dv[2]);
+      body_gave(&w->motion[w->grip_body[i]], -(int64_t)dv.x, -(int64_t)dv.y, -(int64_t)dv.z);
     else
-      push(w, w->row_i[row], dv, 1);
+      push(w, i, dv.x, dv.y, dv.z);
   }
   w->work.springs += end - first;
 }

@@ -15,7 +15,8 @@
  *
  * Formats: 32-bit products only, good on small targets and wide units. A difference d in Q24 is
  * split into hi, 15 bits in units of 2^8, and the rest lo, so that |d|^2 = hi^2 + 2 hi lo + ... is
- * known to 2^-24 of r^2 for rest lengths from 1/16 lu (lo^2 is left out: below 2^-23). Directions use hi alone, lengths both:
+ * known to 2^-24 of r^2 for rest lengths from 1/16 lu (lo^2 is left out: below 2^-23). Directions
+ * use hi alone, lengths both:
  * with 16-bit lengths the rounding alone kept a hanging sheet moving at 3 cm/s. u and f are Q20;
  * one step of f is at most one position step of the correction. The same correction is added to
  * one end and taken from the other, so a pair of equal masses keeps its momentum to the last bit.
@@ -30,29 +31,24 @@ enum {
   PSI_2 = 9961       /* 0.152 */
 };
 
-/* One component of d = to - from: hi in units of 2^8, saturated, and what is left. */
-typedef struct {
-  int32_t hi, lo;
-} split;
-
-static inline split split_difference(int32_t from, int32_t to) {
-  const int32_t d = fx_sub(to, from);
-  const int32_t hi = fx_round(d, LINK_SHIFT);
-  const split s = {fx_clamp(hi, -HI_MAX, HI_MAX), fx_wrap_sub(d, fx_wrap_shift(hi, LINK_SHIFT))};
-  return s;
+/* One component of d, in units of 2^LINK_SHIFT, in 16 bits. */
+static inline int32_t coarse(int32_t d) {
+  return fx_saturate16(fx_round(d, LINK_SHIFT));
 }
 
-/* f in Q20, -1/6..1/10. */
-static inline int32_t projection_factor(split x, split y, split z, const link_class *c) {
-  const int32_t n = x.hi * x.hi + y.hi * y.hi + z.hi * z.hi; /* below 3 * 2^28 */
-  const int32_t cross = x.hi * x.lo + y.hi * y.lo + z.hi * z.lo;
-  const int32_t e = fx_min(n + fx_asr(cross, LINK_SHIFT - 1), c->n_max) - c->r2;
+/* u * psi(u) in Q20. The constants of both Horner steps stand before their shifts. */
+static inline int32_t half_strain(int32_t u) {
+  const int32_t u_q15 = fx_asr(u, 5);
+  const int32_t slope = fx_asr(fx_mul(u_q15, PSI_2) + (PSI_1 * 32768 + (1 << 14)), 15);
+  const int32_t psi_q13 = fx_asr(fx_mul(u_q15, slope) + (PSI_0 * 32768 + (1 << 14)), 18);
+  return fx_asr(fx_mul(u, psi_q13) + (1 << 12), 13);
+}
+
+/* f in Q20, -1/6..1/10, from e = |d|^2 - r^2. */
+static inline int32_t projection_factor(int32_t e, const link_class *c) {
   const int32_t u = fx_asr(fx_mul(fx_asr(e + 16, 5), c->inverse) + (1 << 10), 11);
-  const int32_t v = fx_max(u, U_LEAST);
-  const int32_t v_q15 = fx_asr(v, 5);
-  const int32_t psi_q16 = PSI_0 + fx_mul_q15(v_q15, PSI_1 + fx_mul_q15(v_q15, PSI_2));
-  const int32_t f = fx_asr(fx_mul(v, fx_asr(psi_q16, 3)) + (1 << 12), 13);
-  return v < 0 ? fx_asr(fx_mul(f, c->push), 12) : f;
+  if (__builtin_expect(u >= 0, 1)) return half_strain(u);
+  return fx_asr(fx_mul(half_strain(fx_max(u, U_LEAST)), c->push), 12);
 }
 
 typedef struct {
@@ -62,44 +58,69 @@ typedef struct {
   const link_class *classes;
 } link_view;
 
-/* What end i moves by, f * d, and end j by the opposite; twice that with `down` one less. */
-static inline vec3 correction(const link_view *s, uint32_t row, unsigned down) {
-  const uint32_t i = s->i[row];
-  const uint32_t j = s->j[row];
-  const split x = split_difference(s->x[i], s->x[j]);
-  const split y = split_difference(s->y[i], s->y[j]);
-  const split z = split_difference(s->z[i], s->z[j]);
-  const int32_t f = projection_factor(x, y, z, &s->classes[s->kind[row]]);
-  return vec_make(fx_round(fx_mul(x.hi, f), down), fx_round(fx_mul(y.hi, f), down),
-                  fx_round(fx_mul(z.hi, f), down));
+/* |d|^2 in the units of hi, from d^2 = 2^2s hi^2 + 2^(s+1) hi lo + ..., where 2^s hi lo is hi d less
+ * 2^s hi^2; the sums may wrap, their difference is small. What is saturated comes out above 2^28,
+ * whatever stands in its low bits. */
+static inline uint32_t squared_length(vec3 d, vec3 hi) {
+  const uint32_t n = (uint32_t)fx_mul(hi.x, hi.x) + (uint32_t)fx_mul(hi.y, hi.y) +
+                     (uint32_t)fx_mul(hi.z, hi.z);
+  const int32_t along = fx_wrap_add(fx_wrap_add(fx_wrap_mul(hi.x, d.x), fx_wrap_mul(hi.y, d.y)),
+                                    fx_wrap_mul(hi.z, d.z));
+  const int32_t cross = fx_wrap_sub(along, fx_wrap_shift((int32_t)n, LINK_SHIFT));
+  return (uint32_t)fx_wrap_add((int32_t)n, fx_asr(cross, LINK_SHIFT - 1));
 }
 
-/* Both ends move: equal and opposite. */
+/* f * d from i to j, 2^(20 - LINK_SHIFT) for one step of a position. Inlined by order: compilers
+ * for small targets would pass it through memory. */
+__attribute__((always_inline)) static inline vec3 correction(const link_view *s, uint32_t i,
+                                                             uint32_t j, const link_class *c) {
+  const vec3 d = vec_make(fx_sub(s->x[j], s->x[i]), fx_sub(s->y[j], s->y[i]),
+                          fx_sub(s->z[j], s->z[i]));
+  vec3 hi = vec_make(coarse(d.x), coarse(d.y), coarse(d.z));
+  uint32_t n = squared_length(d, hi);
+  if (__builtin_expect(n > (uint32_t)c->n_max, 0)) {
+    n = (uint32_t)c->n_max;
+    hi = vec_make(fx_clamp(hi.x, -HI_MAX, HI_MAX), fx_clamp(hi.y, -HI_MAX, HI_MAX),
+                  fx_clamp(hi.z, -HI_MAX, HI_MAX));
+  }
+  const int32_t f = projection_factor((int32_t)n - c->r2, c);
+  return vec_make(fx_mul(hi.x, f), fx_mul(hi.y, f), fx_mul(hi.z, f));
+}
+
+/* Both ends move by half: equal and opposite. */
+static inline void move_both(int32_t *restrict x, uint32_t i, uint32_t j, int32_t product) {
+  const int32_t c = fx_round(product, 20 - LINK_SHIFT);
+  x[i] = fx_add(x[i], c);
+  x[j] = fx_sub(x[j], c);
+}
+
 static void project_free(link_view s, uint32_t first, uint32_t end) {
   for (uint32_t row = first; row < end; ++row) {
-    if (s.kind[row] == ROW_DEAD) continue;
-    const vec3 c = correction(&s, row, 20 - LINK_SHIFT);
+    const uint32_t kind = s.kind[row];
+    if (kind == ROW_DEAD) continue;
     const uint32_t i = s.i[row];
     const uint32_t j = s.j[row];
-    s.x[i] = fx_add(s.x[i], c.x);
-    s.y[i] = fx_add(s.y[i], c.y);
-    s.z[i] = fx_add(s.z[i], c.z);
-    s.x[j] = fx_sub(s.x[j], c.x);
-    s.y[j] = fx_sub(s.y[j], c.y);
-    s.z[j] = fx_sub(s.z[j], c.z);
+    const vec3 c = correction(&s, i, j, &s.classes[kind]);
+    move_both(s.x, i, j, c.x);
+    move_both(s.y, i, j, c.y);
+    move_both(s.z, i, j, c.z);
   }
 }
 
 /* End i is carried by a body: end j takes the whole correction, the body gave the momentum. */
 static void project_held(fray_world *w, link_view s, uint32_t first, uint32_t end) {
   for (uint32_t row = first; row < end; ++row) {
-    if (s.kind[row] == ROW_DEAD) continue;
-    const vec3 c = correction(&s, row, 19 - LINK_SHIFT);
+    const uint32_t kind = s.kind[row];
+    if (kind == ROW_DEAD) continue;
+    const uint32_t i = s.i[row];
     const uint32_t j = s.j[row];
+    const vec3 twice = correction(&s, i, j, &s.classes[kind]);
+    const vec3 c = vec_make(fx_round(twice.x, 19 - LINK_SHIFT), fx_round(twice.y, 19 - LINK_SHIFT),
+                            fx_round(twice.z, 19 - LINK_SHIFT));
     s.x[j] = fx_sub(s.x[j], c.x);
     s.y[j] = fx_sub(s.y[j], c.y);
     s.z[j] = fx_sub(s.z[j], c.z);
-    body_gave(&w->motion[w->grip_body[s.i[row]]], -(int64_t)c.x * (1 << FX_SUB_BITS),
+    body_gave(&w->motion[w->grip_body[i]], -(int64_t)c.x * (1 << FX_SUB_BITS),
               -(int64_t)c.y * (1 << FX_SUB_BITS), -(int64_t)c.z * (1 << FX_SUB_BITS));
   }
 }

@@ -7,11 +7,11 @@
  * have relieved them. */
 #include "rt/stage/stage.h"
 
-static uint64_t squared(uint64_t v) { return v * v; }
-
-/* rest * (1 + strain), Q24 lu. */
-static uint64_t stretched(int32_t rest, int32_t strain_q16) {
-  return ((uint64_t)(uint32_t)rest * (65536u + (uint32_t)strain_q16)) >> 16;
+/* (rest * (1 + strain))^2, Q48 lu^2. A rest length is below 1/8 lu, a strain at most 4. */
+static uint64_t stretched_squared(int32_t rest, int32_t strain_q16) {
+  const uint32_t length =
+      (uint32_t)(fx_mul_wide_u((uint32_t)rest, 65536u + (uint32_t)strain_q16) >> 16);
+  return fx_mul_wide_u(length, length);
 }
 
 /* n / limit - 1 in Q16, for n > limit. */
@@ -50,8 +50,8 @@ void tear_run(fray_world *w) {
     const int32_t rest = w->links[kind].rest;
     const vec3 d = vec_sub(world_position(w, w->row_j[row]), world_position(w, w->row_i[row]));
     const uint64_t n = vec_squared(d);
-    if (n <= squared(stretched(rest, p->tear_min))) continue; /* no draw is below tear_min */
-    const uint64_t limit = squared(stretched(rest, world_threshold(w, row)));
+    if (n <= stretched_squared(rest, p->tear_min)) continue; /* no draw is below tear_min */
+    const uint64_t limit = stretched_squared(rest, world_threshold(w, row));
     if (n <= limit) continue;
     const cut found = {row, excess_over(n, limit)};
     enlist(w, found);

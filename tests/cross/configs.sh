@@ -8,9 +8,9 @@
 #   TOOLS, PACKAGES              what it takes, and where Debian has it
 # and returns 1 where something of it is missing.
 # shellcheck disable=SC2034
-CONFIGS_SHORT="gcc-O0 gcc-O2 gcc-O3 gcc-native gcc-id16 clang-O0 clang-O3 i386-O2 s390x-O2 mips-O2
-  m3-O2"
-CONFIGS_FULL="gcc-O0 gcc-O1 gcc-O2 gcc-O3 gcc-Os gcc-native gcc-id16 gcc-checked
+CONFIGS_SHORT="gcc-O0 gcc-O2 gcc-O3 gcc-native gcc-id16 gcc-narrow clang-O0 clang-O3 i386-O2
+  s390x-O2 mips-O2 m3-O2"
+CONFIGS_FULL="gcc-O0 gcc-O1 gcc-O2 gcc-O3 gcc-Os gcc-native gcc-id16 gcc-narrow gcc-checked
   clang-O0 clang-O2 clang-O3 clang-Os clang-native
   i386-O0 i386-O2 i386-O3 armhf-O0 armhf-O2 armhf-O3 aarch64-O0 aarch64-O2 aarch64-O3
   riscv64-O0 riscv64-O2 riscv64-O3 powerpc-O0 powerpc-O2 powerpc-O3 s390x-O0 s390x-O2 s390x-O3
@@ -75,6 +75,7 @@ config() {
   case $1 in
     *-native) OPT=-O3 EXTRA="$EXTRA -march=native" ;;
     *-id16) OPT=-O2 EXTRA="$EXTRA -DFRAY_ID_BITS=16" ;;
+    *-narrow) OPT=-O2 EXTRA="$EXTRA -DFX_NARROW=1 -DFX_NO_LONG_MULTIPLY=1" ;;
     *-checked) OPT=-O2 EXTRA="$EXTRA -DFRAY_CHECKED" ;;
     # gcc 12 sees a loop of at most 16 run over 16 bytes there (cmac.c), and nowhere else
     i386-O3 | s390x-O3 | powerpc-O3 | riscv64-O3 | mips-O3)
