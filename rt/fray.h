@@ -115,6 +115,8 @@ typedef struct {
   uint32_t contacts;    /* candidate contacts x substeps */
   uint32_t tear_tests;  /* structural rows */
   uint32_t cuts;        /* structural springs cut */
+  uint32_t gathers;     /* free particles x bodies with a surface, compared with a body's reach */
+  uint32_t over;        /* structural springs found over their thresholds */
 } fray_work;
 
 typedef struct {

@@ -63,9 +63,9 @@ static void print_pools(const fray_world *w, size_t image_bytes, size_t memory_b
 static void print_work(const fray_world *w) {
   const fray_work most = fray_limits(w);
   printf("\nmost work of a tick: %u predictions, %u projections, %u springs, %u contact tests,\n"
-         "                     %u tear tests, %u cuts\n",
-         most.predictions, most.projections, most.springs, most.contacts, most.tear_tests,
-         most.cuts);
+         "                     %u gathers, %u tear tests, %u over, %u cuts\n",
+         most.predictions, most.projections, most.springs, most.contacts, most.gathers,
+         most.tear_tests, most.over, most.cuts);
 }
 
 int cmd_info(int argc, char **argv) {

@@ -93,7 +93,7 @@ FX_WRAPS static inline int32_t fx_mul(int32_t a, int32_t b) {
 }
 /* Products of 32 bits by 32 in full. Armv6-M has no such instruction, and its library multiplies
  * 64 bits by 64. */
-static inline uint64_t fx_mul_wide_u(uint32_t a, uint32_t b) {
+FX_WRAPS static inline uint64_t fx_mul_wide_u(uint32_t a, uint32_t b) {
 #if FX_NO_LONG_MULTIPLY
   const uint32_t a0 = a & 0xFFFFu;
   const uint32_t a1 = a >> 16;
@@ -190,10 +190,38 @@ static inline int32_t fx_add_saturated(int32_t a, int32_t b) {
   const int32_t sum = fx_wrap_add(a, b);
 #if FX_NARROW
   int32_t same;
-  if (__builtin_expect(!__builtin_add_overflow(a, b, &same) && sum != INT32_MIN, 1)) return sum;
-#endif
+  const int32_t sign = fx_asr(a, 31);
+  if (__builtin_expect(__builtin_add_overflow(a, b, &same), 0)) return (sign ^ INT32_MAX) - sign;
+  return __builtin_expect(sum == INT32_MIN, 0) ? -INT32_MAX : sum;
+#else
   const int32_t bound = a < 0 ? -INT32_MAX : INT32_MAX;
   return fx_max(((a ^ sum) & (b ^ sum)) < 0 ? bound : sum, -INT32_MAX);
+#endif
+}
+
+/* n / d for d > 0, saturated to 32 bits: two digits of 16 bits, each estimated from the upper half
+ * of the divisor, which is at most two too many. */
+FX_WRAPS static inline uint32_t fx_divide_wide(uint64_t n, uint32_t d) {
+  if ((uint32_t)(n >> 32) >= d) return UINT32_MAX;
+  const unsigned up = (unsigned)__builtin_clz(d);
+  const uint32_t divisor = d << up;
+  const uint64_t whole = n << up;
+  const uint32_t high = divisor >> 16;
+  uint32_t rest = (uint32_t)(whole >> 32);
+  uint32_t quotient = 0;
+  for (unsigned digit = 0; digit < 2; ++digit) {
+    const uint32_t next = (uint32_t)(whole >> (16u - 16u * digit)) & 0xFFFFu;
+    uint32_t q = rest / high;
+    uint32_t left = rest - q * high;
+    /* the lower half of the divisor takes its part */
+    while (left < 0x10000u && (q > 0xFFFFu || q * (divisor & 0xFFFFu) > (left << 16 | next))) {
+      --q;
+      left += high;
+    }
+    rest = (rest << 16 | next) - q * divisor;
+    quotient = quotient << 16 | q;
+  }
+  return quotient;
 }
 
 static inline unsigned fx_leading_zeros64(uint64_t v) { return (unsigned)__builtin_clzll(v); }

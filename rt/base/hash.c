@@ -1,33 +1,42 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "rt/base/hash.h"
 
-/* Lanes are independent. A narrow core keeps one of them in a register and strides through the
- * words; a wide one takes eight words at once. */
 #if FX_NARROW
-#define HASH_ALL(words, count) \
-  do { \
-    for (uint32_t k = 0; k < HASH_LANES && k < (count); ++k) { \
-      uint32_t lane = h->lane[k]; \
-      for (uint32_t n = k; n < (count); n += HASH_LANES) \
-        lane = hash_step(lane, (uint32_t)(int32_t)(words)[n]); \
-      h->lane[k] = lane; \
-    } \
-  } while (0)
+/* Lanes are independent: one at a time stays in a register. */
+void hash_words(hash *h, const int32_t *words, uint32_t count) {
+  for (uint32_t k = 0; k < HASH_LANES; ++k) {
+    uint32_t lane = h->lane[k];
+    for (uint32_t n = k; n < count; n += HASH_LANES) lane = hash_step(lane, (uint32_t)words[n]);
+    h->lane[k] = lane;
+  }
+}
+
+void hash_bytes(hash *h, const int8_t *bytes, uint32_t count) {
+  for (uint32_t k = 0; k < HASH_LANES; ++k) {
+    uint32_t lane = h->lane[k];
+    for (uint32_t n = k; n < count; n += HASH_LANES)
+      lane = hash_step(lane, (uint32_t)(int32_t)bytes[n]);
+    h->lane[k] = lane;
+  }
+}
 #else
-#define HASH_ALL(words, count) \
-  do { \
-    uint32_t n = 0; \
-    for (; n + HASH_LANES <= (count); n += HASH_LANES) \
-      for (uint32_t k = 0; k < HASH_LANES; ++k) \
-        h->lane[k] = hash_step(h->lane[k], (uint32_t)(int32_t)(words)[n + k]); \
-    for (uint32_t k = 0; n < (count); ++n, ++k) \
-      h->lane[k] = hash_step(h->lane[k], (uint32_t)(int32_t)(words)[n]); \
-  } while (0)
+void hash_words(hash *h, const int32_t *words, uint32_t count) {
+  uint32_t n = 0;
+  for (; n + HASH_LANES <= count; n += HASH_LANES)
+    for (uint32_t k = 0; k < HASH_LANES; ++k)
+      h->lane[k] = hash_step(h->lane[k], (uint32_t)words[n + k]);
+  for (uint32_t k = 0; n < count; ++n, ++k) h->lane[k] = hash_step(h->lane[k], (uint32_t)words[n]);
+}
+
+void hash_bytes(hash *h, const int8_t *bytes, uint32_t count) {
+  uint32_t n = 0;
+  for (; n + HASH_LANES <= count; n += HASH_LANES)
+    for (uint32_t k = 0; k < HASH_LANES; ++k)
+      h->lane[k] = hash_step(h->lane[k], (uint32_t)(int32_t)bytes[n + k]);
+  for (uint32_t k = 0; n < count; ++n, ++k)
+    h->lane[k] = hash_step(h->lane[k], (uint32_t)(int32_t)bytes[n]);
+}
 #endif
-
-void hash_words(hash *h, const int32_t *words, uint32_t count) { HASH_ALL(words, count); }
-
-void hash_bytes(hash *h, const int8_t *bytes, uint32_t count) { HASH_ALL(bytes, count); }
 
 FX_WRAPS uint64_t hash_end(const hash *h) {
   uint64_t total = 0x13198A2E03707344u;

@@ -26,6 +26,10 @@ fray_work fray_limits(const fray_world *w) {
                          link_batches + (uint32_t)p->bend_batches + (uint32_t)p->shear_batches);
   most.contacts = w->capacity[POOL_CONTACTS] * substeps;
   most.tear_tests = p->tearing != 0 ? (uint32_t)p->links : 0;
+  most.gathers = 0;
+  for (uint32_t b = 0; b < (uint32_t)p->bodies; ++b)
+    if (w->bodies[b].shape != FRAY_ANCHOR) most.gathers += (uint32_t)(p->particles - p->held);
+  most.over = most.tear_tests;
   most.cuts = p->tearing != 0 ? (uint32_t)p->cuts_max : 0;
   return most;
 }

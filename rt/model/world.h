@@ -84,6 +84,15 @@ static inline weave world_weave(const fray_world *w) {
   return grid;
 }
 
+/* Batches of one kind that follow one another, from *b on: the end of their rows; *b moves behind
+ * them. Rows without gaps, so that a scalar loop takes them in one go. */
+static inline uint32_t world_run_of_batches(const fray_world *w, uint32_t *b, uint32_t batches) {
+  const int32_t held = w->batches[*b].held;
+  do ++*b;
+  while (*b < batches && w->batches[*b].held == held);
+  return (uint32_t)(w->batches[*b - 1u].first + w->batches[*b - 1u].count);
+}
+
 /* Marks a row as dead and enters it into the topology's hash. */
 void world_kill_row(fray_world *w, uint32_t row);
 /* XOR over all dead rows, recomputed: what state.topology must say. */

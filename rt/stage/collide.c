@@ -8,67 +8,98 @@
  * the body's normal, and held back along the surface by Coulomb friction, as a displacement. */
 #include "rt/stage/stage.h"
 
-static int32_t travel(int32_t velocity, int32_t substeps) {
-  const int64_t way = (int64_t)(fx_magnitude(velocity) >> FX_SUB_BITS) * (uint32_t)substeps;
-  return (int32_t)fx_clamp64(way, 0, FX_WORLD_MAX);
+/* How far something gets in this tick: speed * substeps, at most the world's half. `fastest` is the
+ * speed, in steps of a position, that gets there. */
+static uint32_t travel(int32_t velocity, uint32_t substeps, uint32_t fastest) {
+  const uint32_t speed = fx_magnitude(velocity) >> FX_SUB_BITS;
+  return speed > fastest ? (uint32_t)FX_WORLD_MAX : speed * substeps;
 }
 
 /* How far a body will move in this tick, along each axis. */
-static vec3 body_travel(const fray_world *w, uint32_t b) {
+static vec3 body_travel(const fray_world *w, uint32_t b, uint32_t fastest) {
   const body_motion *m = &w->motion[b];
   const int32_t *v = w->body_states[b].velocity;
+  const uint32_t substeps = (uint32_t)w->params->substeps;
   if (w->bodies[b].motion == FRAY_FREE)
-    return vec_make(travel(v[0], w->params->substeps), travel(v[1], w->params->substeps),
-                    travel(v[2], w->params->substeps));
+    return vec_make((int32_t)travel(v[0], substeps, fastest),
+                    (int32_t)travel(v[1], substeps, fastest),
+                    (int32_t)travel(v[2], substeps, fastest));
   const vec3 way = vec_sub(m->to, m->from);
   return vec_make((int32_t)fx_magnitude(way.x), (int32_t)fx_magnitude(way.y),
                   (int32_t)fx_magnitude(way.z));
 }
 
-static int within(int32_t at, int32_t centre, int64_t reach, int32_t velocity, int32_t substeps) {
-  const int64_t gap = (int64_t)at - centre;
-  return (gap < 0 ? -gap : gap) <= reach + travel(velocity, substeps);
+/* What a body's gathering needs of it; a reach of the world's width reaches everything. */
+typedef struct {
+  int64_t along[3];  /* half sizes of its box, with skin and travel */
+  uint32_t reach[3]; /* the same, at most 2^31 */
+  uint32_t substeps, fastest;
+} grasp;
+
+/* The distance is below 2^31, the sum below 2^32. */
+static inline int within(const grasp *g, uint32_t n, int32_t at, int32_t centre, int32_t velocity) {
+  return fx_magnitude(fx_sub(at, centre)) <= g->reach[n] + travel(velocity, g->substeps, g->fastest);
 }
 
-static int may_touch(const fray_world *w, uint32_t b, uint32_t p, const int64_t reach[3]) {
-  const params *k = w->params;
+static int plane_may_touch(const fray_world *w, uint32_t b, uint32_t p, const grasp *g) {
   const int32_t *at = w->body_states[b].position;
-  if (w->bodies[b].shape == FRAY_PLANE) {
-    const int32_t *n = &w->bodies[b].axes[3];
-    const vec3 away = vec_sub(world_position(w, p), vec_make(at[0], at[1], at[2]));
-    const int64_t way = (int64_t)travel(w->vx[p], k->substeps) + travel(w->vy[p], k->substeps) +
-                        travel(w->vz[p], k->substeps);
-    return vec_dot_unit(away, vec_make(n[0], n[1], n[2])) <= reach[0] + reach[1] + reach[2] + way;
-  }
-  return within(w->x[p], at[0], reach[0], w->vx[p], k->substeps) &&
-         within(w->y[p], at[1], reach[1], w->vy[p], k->substeps) &&
-         within(w->z[p], at[2], reach[2], w->vz[p], k->substeps);
+  const int32_t *n = &w->bodies[b].axes[3];
+  const vec3 away = vec_sub(world_position(w, p), vec_make(at[0], at[1], at[2]));
+  const int64_t way = (int64_t)travel(w->vx[p], g->substeps, g->fastest) +
+                      travel(w->vy[p], g->substeps, g->fastest) +
+                      travel(w->vz[p], g->substeps, g->fastest);
+  return vec_dot_unit(away, vec_make(n[0], n[1], n[2])) <=
+         g->along[0] + g->along[1] + g->along[2] + way;
 }
 
-static void gather_body(fray_world *w, uint32_t b) {
+/* Returns 0 where the pool is full. */
+__attribute__((noinline)) static int add_contact(fray_world *w, uint32_t b, uint32_t p) {
+  if (w->contact_count == w->capacity[POOL_CONTACTS]) {
+    w->state->faults |= (int32_t)FRAY_FAULT_CONTACTS_FULL;
+    return 0;
+  }
+  contact *c = &w->contacts[w->contact_count++];
+  c->particle = p;
+  c->body = (uint16_t)b;
+  c->touching = 0;
+  return 1;
+}
+
+static void gather_plane(fray_world *w, uint32_t b, const grasp *g) {
+  for (uint32_t p = (uint32_t)w->params->held; p < (uint32_t)w->params->particles; ++p)
+    if (plane_may_touch(w, b, p, g) && !add_contact(w, b, p)) return;
+}
+
+static void gather_body(fray_world *w, uint32_t b, const grasp *g) {
+  const int32_t *at = w->body_states[b].position;
+  for (uint32_t p = (uint32_t)w->params->held; p < (uint32_t)w->params->particles; ++p)
+    if (within(g, 0, w->x[p], at[0], w->vx[p]) && within(g, 1, w->y[p], at[1], w->vy[p]) &&
+        within(g, 2, w->z[p], at[2], w->vz[p]) && !add_contact(w, b, p))
+      return;
+}
+
+static void gather(fray_world *w, uint32_t b) {
   const params *k = w->params;
   const body *s = &w->bodies[b];
-  const vec3 way = body_travel(w, b);
-  const int64_t skin = (int64_t)k->thickness + k->contact_margin;
-  const int64_t reach[3] = {skin + s->reach[0] + way.x, skin + s->reach[1] + way.y,
-                            skin + s->reach[2] + way.z};
-  for (uint32_t p = (uint32_t)k->held; p < (uint32_t)k->particles; ++p) {
-    if (!may_touch(w, b, p, reach)) continue;
-    if (w->contact_count == w->capacity[POOL_CONTACTS]) {
-      w->state->faults |= (int32_t)FRAY_FAULT_CONTACTS_FULL;
-      return;
-    }
-    contact *c = &w->contacts[w->contact_count++];
-    c->particle = p;
-    c->body = (uint16_t)b;
-    c->touching = 0;
+  grasp g = {{0, 0, 0}, {0, 0, 0}, (uint32_t)k->substeps,
+             (uint32_t)FX_WORLD_MAX / (uint32_t)k->substeps};
+  const vec3 travelled = body_travel(w, b, g.fastest);
+  const int32_t way[3] = {travelled.x, travelled.y, travelled.z};
+  for (uint32_t n = 0; n < 3; ++n) {
+    g.along[n] = (int64_t)k->thickness + k->contact_margin + s->reach[n] + way[n];
+    g.reach[n] = (uint32_t)fx_clamp64(g.along[n], 0, (int64_t)1 << 31);
   }
+  w->work.gathers += (uint32_t)(k->particles - k->held);
+  if (s->shape == FRAY_PLANE)
+    gather_plane(w, b, &g);
+  else
+    gather_body(w, b, &g);
 }
 
 void collide_gather(fray_world *w) {
   w->contact_count = 0;
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
-    if (w->bodies[b].shape != FRAY_ANCHOR) gather_body(w, b);
+    if (w->bodies[b].shape != FRAY_ANCHOR) gather(w, b);
 }
 
 static vec3 body_axis(const body *s, uint32_t n) {

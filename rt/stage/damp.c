@@ -88,7 +88,7 @@ static int32_t approach(int32_t v, int64_t rigid, int32_t share) {
   return fx_saturate(v + fx_round64(fx_mul_wide(away, share), 24));
 }
 
-static void damp_relative(fray_world *w, uint32_t first, uint32_t end) {
+__attribute__((noinline)) static void damp_relative(fray_world *w, uint32_t first, uint32_t end) {
   const rigid_motion m = find_motion(w, first, end);
   const int32_t share = w->params->relative_damping;
   for (uint32_t p = first; p < end; ++p) {

@@ -9,13 +9,18 @@
 static const uint32_t RATIO_MAX = 8u << 28;
 
 /* d * share * 2^-down, rounded. Above 32 bits of shift the upper word has it all, and it fits. */
-static int32_t impulse_far(int32_t d, int32_t share, unsigned down) {
+static inline int32_t scale_far(int32_t d, int32_t share, unsigned down) {
   const int64_t product = fx_mul_wide(d, share);
   const int64_t sum = product + fx_asr64(product, 63) + ((int64_t)1 << (down - 1u));
   return fx_asr((int32_t)fx_asr64(sum, 32), down - 32u);
 }
-static int32_t impulse_near(int32_t d, int32_t share, unsigned down) {
+static int32_t scale_near(int32_t d, int32_t share, unsigned down) {
   return fx_saturate(fx_round64(fx_mul_wide(d, share), down));
+}
+/* Springs this strong are rare. */
+__attribute__((noinline)) static void impulse_near(vec3 d, int32_t share, unsigned down, vec3 *dv) {
+  *dv = vec_make(scale_near(d.x, share, down), scale_near(d.y, share, down),
+                 scale_near(d.z, share, down));
 }
 
 /* dv of end i in Q28 lu per substep; end j gets the opposite. With s = 1 - rest/|d| in Q28 this is
@@ -30,10 +35,11 @@ static inline int spring_impulse(vec3 d, const spring_class *c, vec3 *dv) {
   const int32_t s = fx_wrap_sub(1 << 28, (int32_t)bounded);
   const int32_t share = (int32_t)fx_asr64(fx_mul_wide(s, c->mantissa), 16);
   const unsigned down = 8u + (unsigned)c->shift;
-  *dv = down > 32u ? vec_make(impulse_far(d.x, share, down), impulse_far(d.y, share, down),
-                              impulse_far(d.z, share, down))
-                   : vec_make(impulse_near(d.x, share, down), impulse_near(d.y, share, down),
-                              impulse_near(d.z, share, down));
+  if (__builtin_expect(down > 32u, 1))
+    *dv = vec_make(scale_far(d.x, share, down), scale_far(d.y, share, down),
+                   scale_far(d.z, share, down));
+  else
+    impulse_near(d, share, down, dv);
   return 1;
 }
 
@@ -43,9 +49,7 @@ static inline void push(fray_world *w, uint32_t p, int32_t x, int32_t y, int32_t
   w->vz[p] = fx_add_saturated(w->vz[p], z);
 }
 
-static void run_batch(fray_world *w, const row_batch *batch) {
-  const uint32_t first = (uint32_t)batch->first;
-  const uint32_t end = first + (uint32_t)batch->count;
+static void run_rows(fray_world *w, uint32_t first, uint32_t end, int32_t held) {
   for (uint32_t row = first; row < end; ++row) {
     const uint32_t kind = w->row_class[row];
     if (kind == ROW_DEAD) continue;
@@ -55,7 +59,7 @@ static void run_batch(fray_world *w, const row_batch *batch) {
     if (!spring_impulse(vec_sub(world_position(w, j), world_position(w, i)), &w->springs[kind], &dv))
       continue;
     push(w, j, -dv.x, -dv.y, -dv.z);
-    if (batch->held == BATCH_HELD)
+    if (held == BATCH_HELD)
       body_gave(&w->motion[w->grip_body[i]], -(int64_t)dv.x, -(int64_t)dv.y, -(int64_t)dv.z);
     else
       push(w, i, dv.x, dv.y, dv.z);
@@ -64,9 +68,12 @@ static void run_batch(fray_world *w, const row_batch *batch) {
 }
 
 void springs_run(fray_world *w) {
-  const uint32_t first = (uint32_t)w->params->link_batches;
-  const uint32_t end =
-      first + (uint32_t)w->params->bend_batches + (uint32_t)w->params->shear_batches;
-  for (uint32_t b = first; b < end; ++b)
-    if (w->batches[b].held != BATCH_IDLE) run_batch(w, &w->batches[b]);
+  const uint32_t last = (uint32_t)w->params->link_batches + (uint32_t)w->params->bend_batches +
+                        (uint32_t)w->params->shear_batches;
+  for (uint32_t b = (uint32_t)w->params->link_batches; b < last;) {
+    const int32_t held = w->batches[b].held;
+    const uint32_t first = (uint32_t)w->batches[b].first;
+    const uint32_t end = world_run_of_batches(w, &b, last);
+    if (held != BATCH_IDLE) run_rows(w, first, end, held);
+  }
 }

@@ -20,6 +20,7 @@ void finish_run(fray_world *w);
 
 /* Once a tick, in the last substep, between collisions and velocities. */
 void tear_run(fray_world *w); /* finds springs over their threshold */
+uint32_t tear_worst(const fray_world *w); /* of them, the farthest over: canonical id */
 void cut_run(fray_world *w);  /* cuts them and releases what hung on them */
 
 /* Once a tick, at its end. */

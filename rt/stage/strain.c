@@ -129,12 +129,12 @@ void strain_run(fray_world *w) {
   const link_view view = {w->x, w->y, w->z, w->row_i, w->row_j, w->row_class, w->links};
   const uint32_t batches = (uint32_t)w->params->link_batches;
   for (int32_t sweep = 0; sweep < w->params->sweeps; ++sweep)
-    for (uint32_t b = 0; b < batches; ++b) {
-      const row_batch *batch = &w->batches[b];
-      const uint32_t first = (uint32_t)batch->first;
-      const uint32_t end = first + (uint32_t)batch->count;
-      if (batch->held == BATCH_FREE) project_free(view, first, end);
-      if (batch->held == BATCH_HELD) project_held(w, view, first, end);
-      if (batch->held != BATCH_IDLE) w->work.projections += end - first;
+    for (uint32_t b = 0; b < batches;) {
+      const int32_t held = w->batches[b].held;
+      const uint32_t first = (uint32_t)w->batches[b].first;
+      const uint32_t end = world_run_of_batches(w, &b, batches);
+      if (held == BATCH_FREE) project_free(view, first, end);
+      if (held == BATCH_HELD) project_held(w, view, first, end);
+      if (held != BATCH_IDLE) w->work.projections += end - first;
     }
 }

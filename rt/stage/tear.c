@@ -4,7 +4,8 @@
  *
  * At most cuts_max are taken in a tick: those farthest over their threshold, ties by canonical
  * number. The others wait; they are tested again in the next tick, when the cuts around them may
- * have relieved them. */
+ * have relieved them. The list is a heap with the least of them first, so that a tick in which
+ * everything tears costs a few steps more a spring and not cuts_max. */
 #include "rt/stage/stage.h"
 
 /* (rest * (1 + strain))^2, Q48 lu^2. A rest length is below 1/8 lu, a strain at most 4. */
@@ -14,11 +15,9 @@ static uint64_t stretched_squared(int32_t rest, int32_t strain_q16) {
   return fx_mul_wide_u(length, length);
 }
 
-/* n / limit - 1 in Q16, for n > limit. */
+/* n / limit - 1 in Q16, for n > limit; limits are below 2^47. */
 static uint32_t excess_over(uint64_t n, uint64_t limit) {
-  const uint64_t unit = (limit >> 16) + 1u;
-  const uint64_t excess = (n - limit) / unit;
-  return excess > UINT32_MAX ? UINT32_MAX : (uint32_t)excess;
+  return fx_divide_wide(n - limit, (uint32_t)(limit >> 16) + 1u);
 }
 
 static int worse(const fray_world *w, const cut *a, const cut *b) {
@@ -26,19 +25,41 @@ static int worse(const fray_world *w, const cut *a, const cut *b) {
   return w->home[a->row] < w->home[b->row];
 }
 
-/* Keeps the worst cuts_max in order. */
-static void enlist(fray_world *w, cut found) {
-  uint32_t place = w->cut_count;
-  if (place == (uint32_t)w->params->cuts_max) {
-    ++w->cuts_waiting;
-    if (!worse(w, &found, &w->cuts[place - 1u])) return;
-    --place;
-  } else {
-    ++w->cut_count;
+/* A place at the end that `found` may take, or one nearer to the top. */
+static void rise(fray_world *w, uint32_t place, cut found) {
+  while (place > 0) {
+    const uint32_t above = (place - 1u) / 2u;
+    if (!worse(w, &w->cuts[above], &found)) break;
+    w->cuts[place] = w->cuts[above];
+    place = above;
   }
-  for (; place > 0 && worse(w, &found, &w->cuts[place - 1u]); --place)
-    w->cuts[place] = w->cuts[place - 1u];
   w->cuts[place] = found;
+}
+
+/* From the top: below `found` only worse ones. */
+static void sink(fray_world *w, cut found) {
+  uint32_t place = 0;
+  uint32_t below = 1;
+  for (; below + 1u < w->cut_count; below = 2u * place + 1u) {
+    below += worse(w, &w->cuts[below], &w->cuts[below + 1u]) ? 1u : 0u;
+    if (!worse(w, &found, &w->cuts[below])) break;
+    w->cuts[place] = w->cuts[below];
+    place = below;
+  }
+  if (below + 1u == w->cut_count && worse(w, &found, &w->cuts[below])) {
+    w->cuts[place] = w->cuts[below];
+    place = below;
+  }
+  w->cuts[place] = found;
+}
+
+static void enlist(fray_world *w, cut found) {
+  if (w->cut_count < (uint32_t)w->params->cuts_max) {
+    rise(w, w->cut_count++, found);
+    return;
+  }
+  ++w->cuts_waiting;
+  if (worse(w, &found, &w->cuts[0])) sink(w, found);
 }
 
 void tear_run(fray_world *w) {
@@ -57,4 +78,12 @@ void tear_run(fray_world *w) {
     enlist(w, found);
   }
   w->work.tear_tests += (uint32_t)p->links;
+  w->work.over += w->cut_count + w->cuts_waiting;
+}
+
+uint32_t tear_worst(const fray_world *w) {
+  uint32_t worst = 0;
+  for (uint32_t n = 1; n < w->cut_count; ++n)
+    if (worse(w, &w->cuts[n], &w->cuts[worst])) worst = n;
+  return w->home[w->cuts[worst].row];
 }

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+# bound.awk FILES: from the lines of longest.c (`fixed`, `loop`) and of limits.h (`limits`) the bound
+# of each case's tick: bound[case], bound[case, stage]; event_bound[case] is the part for contacts,
+# cuts and the list of springs to cut, without the tests for tearing, which are test_part[case].
+function stages(    n, list) {
+  n = split("fray_tick devices_run damp_run springs_run collide_gather predict_run strain_run " \
+            "collide_run tear_run cut_run finish_run force_run report_run", list, " ")
+  for (k = 1; k <= n; k++) name[k] = list[k]
+  return n
+}
+BEGIN { stage_count = stages() }
+
+# what NAME of loops.txt says of the case
+function rounds(what) {
+  if (what == "substeps") return substeps
+  if (what == "sweeps") return sweeps * substeps
+  if (what == "batch_sweeps") return link_batches * sweeps * substeps
+  if (what == "spring_batches") return spring_batches
+  if (what == "springs") return most["springs"]
+  if (what == "projections_free") return most["projections"] - held_projections
+  if (what == "projections_held") return held_projections
+  if (what == "axis_predictions") return 3 * most["predictions"]
+  if (what == "gathers") return most[what] - planes * (particles - held)
+  if (what == "contacts" || what == "tear_tests" || what == "cuts") return most[what]
+  if (what == "plane_gathers") return planes * (particles - held)
+  if (what == "enlisted") return most["contacts"] / substeps + bodies
+  if (what == "bodies") return bodies
+  if (what == "body_steps") return bodies * substeps
+  if (what == "plane_tests") return free_bodies * planes * substeps
+  if (what == "held_steps") return held * substeps
+  if (what == "damped") return damping ? particles - held : 0
+  if (what == "axis_damped") return damping ? 6 * (particles - held) : 0
+  if (what == "axis_dragged") return drag ? 3 * (particles - held) : 0
+  if (what == "strong_springs") return strong ? most["springs"] : 0
+  if (what == "dampings") return damping
+  if (what == "keys") return keys
+  if (what == "hash_words") return 6 * particles + 40 + 12 * bodies
+  if (what == "hash_bytes") return 3 * particles
+  if (what == "zeroed") return output_bytes + motion_bytes * bodies + 64
+  if (what == "zeroed_words") return (output_bytes + motion_bytes * bodies) / 4 + 64
+  if (what == "rise_steps") return most["cuts"] * depth
+  if (what == "sink_steps") return most["tear_tests"] * depth
+  print "table.awk: no count " what >"/dev/stderr"
+  exit 2
+}
+function times(stage) { return stage ~ /^(predict|strain|collide|finish)_run$/ ? substeps : 1 }
+
+$1 == "fixed" { fixed[$2] = $3; next }
+$1 == "loop" { loops++; loop_stage[loops] = $2; loop_name[loops] = $3; loop_cost[loops] = $4; next }
+
+$1 == "limits" {
+  scene = $2; order[++scenes] = scene
+  substeps = $4; sweeps = $5; particles = $6; held = $7; link_batches = $11; spring_batches = $12
+  free_bodies = $14; bodies = $13 + $14; planes = $15; cuts_max = $16
+  drag = $18; damping = $19; keys = $20; held_projections = $21
+  strong = $22
+  output_bytes = $23; motion_bytes = $24
+  most["predictions"] = $25; most["projections"] = $26; most["springs"] = $27; most["contacts"] = $28
+  most["gathers"] = $29; most["tear_tests"] = $30; most["cuts"] = $32
+  depth = 0
+  for (room = 2; room <= cuts_max; room *= 2) depth++
+  for (k = 1; k <= stage_count; k++) bound[scene, name[k]] = fixed[name[k]] * times(name[k])
+  event_bound[scene] = fixed["cut_run"]
+  for (k = 1; k <= loops; k++) {
+    cost = loop_cost[k] * rounds(loop_name[k])
+    bound[scene, loop_stage[k]] += cost
+    if (loop_name[k] == "contacts" || loop_name[k] == "cuts" || loop_name[k] ~ /_steps$/ && loop_stage[k] == "tear_run")
+      event_bound[scene] += cost
+    if (loop_name[k] == "tear_tests") test_bound = cost
+  }
+  test_part[scene] = test_bound
+  for (k = 1; k <= stage_count; k++) bound[scene] += bound[scene, name[k]]
+  steps_of[scene] = substeps
+}
+

@@ -1,0 +1,100 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# work.sh: instructions per tick on small targets, by stage; the bound of the worst tick, derived from
+# the longest paths of the compiled code and the limits of the image, beside the worst tick that was
+# seen; the largest sheets that hold a rate. MACHINES="m3 rv32" picks.
+. tests/lib/suite.sh
+
+work=$FRAY_BUILD/work
+machines=${MACHINES:-m0 m3 m4f m7f m33 rv32}
+stages="devices_run damp_run springs_run collide_gather predict_run strain_run collide_run tear_run
+  cut_run finish_run force_run report_run"
+mkdir -p "$work"
+
+cuts_of() { case $1 in 8) echo 2 ;; 16) echo 8 ;; *) echo 16 ;; esac; }
+scene() { # TEMPLATE N RATE NAME
+  half=$(awk -v n="$2" 'BEGIN { printf "%.4f", (n - 1) / 24 }')
+  sed -e "s/@N@/$2/g" -e "s/@HALF@/$half/g" -e "s/@RATE@/$3/" -e "s/@CONTACTS@/$(($2 * $2 / 12))/" \
+    -e "s/@CUTS@/$(cuts_of "$2")/" "tests/work/$1.scene.in" >"$work/$4.scene"
+  "$FRAY" scene "$work/$4.scene" -o "$work/$4.img" >"$work/$4.said"
+}
+
+prepare() {
+  suite_make BUILD="$FRAY_BUILD" "$FRAY_BUILD/tests/cross/emit" "$FRAY_BUILD/tests/work/limits_of" \
+    "$FRAY_BUILD/tests/work/longest"
+  "$FRAY" hand -o "$work/hands.log" tests/work/hands.hand
+  set --
+  for n in 8 16 24; do
+    scene hang $n 1000 hang_$n
+    scene hands $n 1000 hands_$n
+    set -- "$@" hang_$n "$work/hang_$n.img" - 40 hands_$n "$work/hands_$n.img" "$work/hands.log" 300
+  done
+  "$FRAY_BUILD/tests/cross/emit" "$@" >"$work/cases.c"
+  ${CC:-cc} -std=c11 -O2 -Wall -Wextra -Werror -shared -fPIC tests/work/stage_count.c \
+    -o "$work/stage_count.so"
+}
+
+count() { # MACHINE: pieces and their instructions in MACHINE.joined
+  elf=$work/$1.elf
+  sh tests/target/target.sh build "$1" -O2 "$elf" -g tests/work/work_main.c tests/target/port_bare.c \
+    "$work/cases.c" rt/base/*.c rt/model/*.c rt/stage/*.c rt/run/*.c || return 1
+  case $1 in rv32) tools=riscv64-unknown-elf ;; *) tools=arm-none-eabi ;; esac
+  $tools-nm -S "$elf" | awk 'NF == 4 { print $1, $2, $4 }' >"$work/$1.symbols"
+  sh tests/target/target.sh run "$1" "$elf" >"$work/$1.lines" -plugin \
+    "$work/stage_count.so,symbols=$work/$1.symbols,out=$work/$1.counts" || return 1
+  awk -f tests/work/join.awk "$work/$1.counts" "$work/$1.lines" >"$work/$1.joined"
+  $tools-objdump -d -l --no-show-raw-insn "$elf" >"$work/$1.dis"
+  cp tests/work/loops.txt "$work/loops.txt"
+  if [ "$1" = m0 ]; then cat tests/work/loops_m0.txt >>"$work/loops.txt"; fi
+  # the step alone: its stages cost nothing
+  for stage in $stages; do echo "$stage | | cost 0"; done | cat "$work/loops.txt" - >"$work/step.txt"
+  # shellcheck disable=SC2086
+  {
+    "$FRAY_BUILD/tests/work/longest" "$work/loops.txt" . $stages <"$work/$1.dis" &&
+      "$FRAY_BUILD/tests/work/longest" "$work/step.txt" . fray_tick <"$work/$1.dis"
+  } >"$work/$1.bound"
+}
+
+check() { # MACHINE
+  if ! packages=$(sh tests/target/target.sh needs "$1"); then
+    not_run "work on $1" "$packages"
+    return
+  fi
+  if ! count "$1"; then
+    fail "work on $1: it does not build, run or measure: $(tail -n 3 "$work/$1.lines")"
+  elif awk -v machine="$1" -v shown=hands_16 -v budget_file="$work/$1.budget" -f tests/work/bound.awk \
+    -f tests/work/table.awk "$work/$1.bound" "$work/$1.joined"; then
+    pass
+  else
+    fail "work on $1"
+  fi
+}
+
+# Clocks, and cycles for an instruction: single issue with flash that keeps up, and dual issue.
+largest() {
+  sheets=''
+  for rate in 1000 500 240; do
+    for n in 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26; do
+      scene hang $n $rate ${rate}_$n
+      sheets="$sheets ${rate}_$n $work/${rate}_$n.img"
+    done
+  done
+  # shellcheck disable=SC2086
+  "$FRAY_BUILD/tests/work/limits_of" $sheets >"$work/sheets.txt"
+  echo "largest hanging sheet whose bound fits 80 % of a tick, 12 yarns/cm (substeps that the scene"
+  echo "compiler finds), no bodies; cycles per instruction are assumed, not measured:"
+  printf '  %-34s %16s %16s %16s\n' "" "1 kHz" "500 Hz" "240 Hz"
+  for row in "m0 64 1.3" "m4f 64 1.4" "m4f 168 1.4" "m33 168 1.4" "m7f 480 1.0" "rv32 168 1.4"; do
+    # shellcheck disable=SC2086
+    set -- $row
+    [ -s "$work/$1.bound" ] || continue
+    printf '  %-34s' "$1 at $2 MHz, $3 cycles"
+    awk -v clock="${2}000000" -v cycles="$3" -f tests/work/bound.awk -f tests/work/largest.awk \
+      "$work/$1.bound" "$work/sheets.txt"
+  done
+}
+
+prepare
+for machine in $machines; do check "$machine"; done
+largest
+suite_end
