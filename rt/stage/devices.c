@@ -69,7 +69,7 @@ static int all_armed(const fray_world *w) {
 }
 
 /* The pose that means "where the body stands now": nothing jumps at START. */
-static void take_datum(fray_world *w) {
+__attribute__((noinline)) static void take_datum(fray_world *w) {
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b) {
     const body *k = &w->bodies[b];
     if (k->motion != FRAY_HAND) continue;
@@ -134,7 +134,7 @@ static vec3 follow_hand(const fray_world *w, uint32_t b) {
 }
 
 /* Straight from key to key; the position at the end of this tick. */
-static vec3 follow_path(const fray_world *w, const body *k) {
+__attribute__((noinline)) static vec3 follow_path(const fray_world *w, const body *k) {
   const uint32_t tick = (uint32_t)w->state->tick + 1u;
   const body_key *keys = &w->keys[k->key_first];
   uint32_t n = 0;

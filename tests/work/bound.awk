@@ -33,6 +33,10 @@ function rounds(what) {
   if (what == "axis_dragged") return drag ? 3 * (particles - held) : 0
   if (what == "strong_springs") return strong ? most["springs"] : 0
   if (what == "dampings") return damping
+  if (what == "springs_held") return springs_held
+  if (what == "paths") return paths
+  if (what == "once") return hands
+  if (what == "mirrored") return mirrored ? most["tear_tests"] : 0
   if (what == "keys") return keys
   if (what == "hash_words") return 6 * particles + 40 + 12 * bodies
   if (what == "hash_bytes") return 3 * particles
@@ -53,7 +57,7 @@ $1 == "limits" {
   substeps = $4; sweeps = $5; particles = $6; held = $7; link_batches = $11; spring_batches = $12
   free_bodies = $14; bodies = $13 + $14; planes = $15; cuts_max = $16
   drag = $18; damping = $19; keys = $20; held_projections = $21
-  strong = $22
+  strong = $22; springs_held = $33; paths = $34; mirrored = $35; hands = $36
   output_bytes = $23; motion_bytes = $24
   most["predictions"] = $25; most["projections"] = $26; most["springs"] = $27; most["contacts"] = $28
   most["gathers"] = $29; most["tear_tests"] = $30; most["cuts"] = $32

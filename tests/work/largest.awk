@@ -12,7 +12,7 @@ END {
         steps = steps_of[order[s]]
       }
     }
-    printf " %16s", best > 0 ? best " x " best " (" steps ")" : "-"
+    printf " %16s", (best > 0 ? best " x " best " (" steps ")" : "-")
   }
   printf "\n"
 }

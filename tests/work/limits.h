@@ -6,14 +6,14 @@
 #include "rt/model/world.h"
 #include "tests/work/line.h"
 
-/* Projections of a tick with one end in a body, and whether a spring is of the strong kind that the
- * bounds leave out. */
-static inline uint32_t limits_held_projections(const fray_world *w) {
+/* Rows of batches [first, end) with one end in a body. */
+static inline uint32_t limits_held_rows(const fray_world *w, int32_t first, int32_t end) {
   uint32_t rows = 0;
-  for (uint32_t b = 0; b < (uint32_t)w->params->link_batches; ++b)
+  for (int32_t b = first; b < end; ++b)
     if (w->batches[b].held == BATCH_HELD) rows += (uint32_t)w->batches[b].count;
-  return rows * (uint32_t)(w->params->sweeps * w->params->substeps);
+  return rows;
 }
+/* Springs so strong that their impulses need more than the upper word of a product. */
 static inline uint32_t limits_strong_springs(const fray_world *w) {
   for (uint32_t n = 1; n < w->capacity[POOL_SPRING_CLASSES]; ++n)
     if (w->springs[n].shift < 25) return 1;
@@ -24,10 +24,13 @@ static inline void limits_print(const char *name, const fray_world *w) {
   const params *p = w->params;
   const fray_work most = fray_limits(w);
   line l = line_begin("limits", name);
+  const int32_t batches = p->link_batches + p->bend_batches + p->shear_batches;
   uint32_t sorts[3] = {0, 0, 0}; /* driven, free, planes */
+  uint32_t paths = 0;
   for (uint32_t b = 0; b < (uint32_t)p->bodies; ++b) {
     ++sorts[w->bodies[b].motion == FRAY_FREE];
     sorts[2] += w->bodies[b].shape == FRAY_PLANE;
+    paths += w->bodies[b].motion == FRAY_PATH;
   }
   const uint32_t words[] = {(uint32_t)p->warps, (uint32_t)p->substeps, (uint32_t)p->sweeps,
                             (uint32_t)p->particles, (uint32_t)p->held, (uint32_t)p->links,
@@ -35,10 +38,14 @@ static inline void limits_print(const char *name, const fray_world *w) {
                             (uint32_t)(p->bend_batches + p->shear_batches), sorts[0], sorts[1],
                             sorts[2], (uint32_t)p->cuts_max, w->capacity[POOL_CONTACTS],
                             p->drag != 0, p->relative_damping != 0, w->capacity[POOL_KEYS],
-                            limits_held_projections(w), limits_strong_springs(w), sizeof(fray_output),
+                            limits_held_rows(w, 0, p->link_batches) *
+                                (uint32_t)(p->sweeps * p->substeps),
+                            limits_strong_springs(w), sizeof(fray_output),
                             sizeof(body_motion),
                             most.predictions, most.projections, most.springs, most.contacts,
-                            most.gathers, most.tear_tests, most.over, most.cuts};
+                            most.gathers, most.tear_tests, most.over, most.cuts,
+                            limits_held_rows(w, p->link_batches, batches), paths,
+                            p->tear_mirrored != 0, p->hands != 0};
   for (uint32_t m = 0; m < sizeof words / sizeof words[0]; ++m) line_number(&l, words[m]);
   line_end(&l);
 }

@@ -14,7 +14,7 @@ mkdir -p "$work"
 cuts_of() { case $1 in 8) echo 2 ;; 16) echo 8 ;; *) echo 16 ;; esac; }
 scene() { # TEMPLATE N RATE NAME
   half=$(awk -v n="$2" 'BEGIN { printf "%.4f", (n - 1) / 24 }')
-  sed -e "s/@N@/$2/g" -e "s/@HALF@/$half/g" -e "s/@RATE@/$3/" -e "s/@CONTACTS@/$(($2 * $2 / 12))/" \
+  sed -e "s/@N@/$2/g" -e "s/@HALF@/$half/g" -e "s/@RATE@/$3/" -e "s/@CONTACTS@/$(($2 * $2 / 16))/" \
     -e "s/@CUTS@/$(cuts_of "$2")/" "tests/work/$1.scene.in" >"$work/$4.scene"
   "$FRAY" scene "$work/$4.scene" -o "$work/$4.img" >"$work/$4.said"
 }

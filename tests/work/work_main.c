@@ -86,7 +86,8 @@ static void make_storm(fray_world *w, uint32_t n) {
     const uint32_t j = crossing / warps;
     const uint32_t side = (i + j) & 1u;
     /* of the neighbours of one that lies on the bar, two pull to the left and two to the right */
-    const int32_t lane = ((i + warps - j) / 2u & 1u) != 0 ? 2 * FX_LU : 0;
+    const int32_t left = w->capacity[POOL_CONTACTS] == 0 || ((i + warps - j) / 2u & 1u) == 0;
+    const int32_t lane = left ? 0 : 2 * FX_LU;
     const uint32_t rank = n % 2u == 0 ? q : random_bits(n, q) % (uint32_t)p->particles;
     const int32_t step = FX_LU / 4 / p->particles * (int32_t)(rank + 1u);
     w->x[q] = (side != 0 ? apart + lane + step : step / 4) - FX_WORLD_MAX;
