@@ -29,8 +29,7 @@ SIM_O := $(BUILD)/tests/sim/sim_board.o
 FAULT_O := $(patsubst %,$(BUILD)/faults/platform/linux/%.o,board bus_log can_socket timer)
 IMAGE_16 := $(BUILD)/id16/tests/unit/test_image
 
-.PHONY: all help run test clean san san-integer checked golden golden-update fuzz tidy size stack budget-update \
-        proof install bench force targets target-test can-test bus-test bus-test-qemu bus-soak
+.PHONY: all help run test clean san san-integer checked golden golden-update fuzz tidy size stack budget-update \ work bench force bus-test bus-test-qemu
 all: $(FRAY) ## build the `fray` command
 
 help: ## list the targets
@@ -142,6 +141,10 @@ stack: $(FRAY) $(HELPERS) ## the deepest stack by the call graph, beside a paint
 budget-update: $(FRAY) $(HELPERS) ## write measured code, RAM and stack to tests/budget; say why
 	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) sh tests/stack/stack.sh update
 	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) sh tests/cross/size.sh update
+	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) sh tests/work/work.sh update
+
+work: $(FRAY) $(HELPERS) ## instructions per tick by stage on small targets, the bound of the worst tick
+	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) sh tests/work/work.sh
 
 bench: $(FRAY) ## time projections and stages
 	$(FRAY) bench

@@ -144,6 +144,14 @@ FIXTURE void fixture_copy(fixture *to, const fixture *from) {
   fixture_open_image(to);
 }
 
+/* Every kind of counted work is at most what the image says. */
+FIXTURE int fixture_within(const fray_work *k, const fray_work *most) {
+  return k->predictions <= most->predictions && k->projections <= most->projections &&
+         k->springs <= most->springs && k->contacts <= most->contacts &&
+         k->gathers <= most->gathers && k->tear_tests <= most->tear_tests &&
+         k->over <= most->over && k->cuts <= most->cuts;
+}
+
 FIXTURE fray_output fixture_tick(fixture *f, const fray_input *input) {
   fray_output out;
   fray_tick(f->w, input, &out);

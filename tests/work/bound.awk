@@ -53,7 +53,8 @@ $1 == "fixed" { fixed[$2] = $3; next }
 $1 == "loop" { loops++; loop_stage[loops] = $2; loop_name[loops] = $3; loop_cost[loops] = $4; next }
 
 $1 == "limits" {
-  scene = $2; order[++scenes] = scene
+  scene = $2
+  order[++scenes] = scene
   substeps = $4; sweeps = $5; particles = $6; held = $7; link_batches = $11; spring_batches = $12
   free_bodies = $14; bodies = $13 + $14; planes = $15; cuts_max = $16
   drag = $18; damping = $19; keys = $20; held_projections = $21

@@ -74,7 +74,7 @@ static void make_storm(fray_world *w, uint32_t n) {
   const uint32_t b = (uint32_t)p->bodies - 1u;
   body_state *rail = &w->body_states[b];
   const int32_t radius = w->bodies[b].radius;
-  const int32_t apart = p->substeps * p->substeps * (FX_LU / 8); /* stays far until the tick ends */
+  const int32_t apart = (p->substeps * p->substeps + 16) * (FX_LU / 8); /* far until the end */
   uint32_t touching = 0;
   rail->position[0] = apart + FX_LU - FX_WORLD_MAX;
   rail->position[1] = 2 * radius - FX_WORLD_MAX;

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What a tick counts is what fray_limits() said of it before: on every scene that people run, and
+ * where everything tears at once. */
+#include "tests/lib/test.h"
+#include "tests/lib/world_fixture.h"
+
+enum { TICKS = 40 };
+
+static void run_scene(const char *path) {
+  fixture f;
+  uint32_t most_over = 0;
+  uint32_t most_contacts = 0;
+  fixture_file(&f, path, NULL);
+  for (uint32_t tick = 0; tick < TICKS; ++tick) {
+    const fray_work most = fray_limits(f.w);
+    const fray_output out = fixture_tick(&f, &fixture_idle);
+    CHECK(fixture_within(&out.work, &most));
+    /* these do not depend on what happens */
+    CHECK_EQ_INT(out.work.predictions, most.predictions);
+    CHECK_EQ_INT(out.work.projections, most.projections);
+    CHECK_EQ_INT(out.work.springs, most.springs);
+    CHECK_EQ_INT(out.work.gathers, most.gathers);
+    CHECK_EQ_INT(out.work.tear_tests, most.tear_tests);
+    CHECK(out.work.cuts <= out.work.over);
+    if (out.work.over > most_over) most_over = out.work.over;
+    if (out.work.contacts > most_contacts) most_contacts = out.work.contacts;
+  }
+  printf("figure %s over %u, contacts %u in a tick (asked: printed)\n", path, most_over,
+         most_contacts);
+  fixture_close(&f);
+}
+
+static void scenes_stay_within(void) {
+  static const char *const scenes[] = {
+      "tests/scenes/small.scene",       "tests/scenes/hanging.scene", "tests/scenes/mirror.scene",
+      "tests/scenes/weight.scene",      "tests/scenes/cube.scene",    "tests/scenes/thrown_ball.scene",
+      "tests/scenes/bars_apart.scene",  "tests/cross/torn.scene",     "tests/cross/bodies.scene"};
+  for (size_t n = 0; n < sizeof scenes / sizeof scenes[0]; ++n) run_scene(scenes[n]);
+}
+
+/* A sheet blown up to twenty times its size: every link is over its threshold in the first tick, the
+ * cap holds, and the worst is cut first. */
+static void everything_tears_at_once(void) {
+  fixture f;
+  fixture_file(&f, "tests/scenes/small.scene", NULL);
+  for (uint32_t p = 0; p < (uint32_t)f.w->params->particles; ++p) {
+    f.w->x[p] *= 20;
+    f.w->y[p] *= 20;
+  }
+  const fray_work most = fray_limits(f.w);
+  const fray_output out = fixture_tick(&f, &fixture_idle);
+  CHECK(fixture_within(&out.work, &most));
+  CHECK(out.work.over > most.over / 2u);
+  CHECK_EQ_INT(out.work.cuts, most.cuts);
+  CHECK_EQ_INT(out.cuts_waiting, out.work.over - out.work.cuts);
+  uint32_t worst = 0;
+  for (uint32_t n = 1; n < f.w->cut_count; ++n)
+    if (f.w->cuts[n].excess > f.w->cuts[worst].excess) worst = n;
+  CHECK_EQ_INT(out.cut_first, f.w->home[f.w->cuts[worst].row]);
+  fixture_close(&f);
+}
+
+int main(void) {
+  TEST(scenes_stay_within);
+  TEST(everything_tears_at_once);
+  return test_end();
+}
