@@ -168,7 +168,7 @@ static inline int64_t fx_clamp64(int64_t v, int64_t low, int64_t high) {
 /* To 16 bits; an instruction where there is one, and compilers do not always see it. */
 static inline int32_t fx_saturate16(int32_t v) {
 #ifdef __ARM_FEATURE_SAT
-  return __builtin_arm_ssat(v, 16);
+  return (int32_t)__builtin_arm_ssat(v, 16);
 #else
   return fx_clamp(v, INT16_MIN, INT16_MAX);
 #endif
