@@ -28,6 +28,7 @@ SIM_TESTS := $(filter-out $(SYS_TESTS),$(filter $(BUILD)/tests/sim/%,$(TESTS)))
 SIM_O := $(BUILD)/tests/sim/sim_board.o
 FAULT_O := $(patsubst %,$(BUILD)/faults/platform/linux/%.o,board bus_log can_socket timer)
 IMAGE_16 := $(BUILD)/id16/tests/unit/test_image
+FX_NARROW := $(BUILD)/narrow/tests/unit/test_fx
 
 .PHONY: all help run test clean san san-integer checked golden golden-update fuzz tidy size stack budget-update \ work bench force bus-test bus-test-qemu
 all: $(FRAY) ## build the `fray` command
@@ -67,6 +68,10 @@ $(BUILD)/faults/%.o: %.c
 	@echo "  CC   $< (FRAY_SYS_FAULTS)"
 	@$(CC) $(FLAGS) -DFRAY_SYS_FAULTS -c $< -o $@
 
+# fixed point once more, as on cores that do one thing at a time
+$(FX_NARROW): force
+	@$(MAKE) --no-print-directory -s BUILD=$(BUILD)/narrow EXTRA="$(EXTRA) -DFX_NARROW=1 -DFX_NO_LONG_MULTIPLY=1" EXACT="$(EXACT)" $@
+
 # the loader once more, with 16-bit ids
 $(IMAGE_16): force
 	@$(MAKE) --no-print-directory -s BUILD=$(BUILD)/id16 EXTRA="$(EXTRA) -DFRAY_ID_BITS=16" EXACT="$(EXACT)" $@
@@ -80,9 +85,9 @@ run: $(FRAY) ## tear a sheet with two hands from a log of the bus; results in ou
 	$(FRAY) run out/two_hands.img --log tests/scenes/two_hands.log --record out/two_hands.log --report out
 	$(FRAY) verify out/two_hands.log --scene out/two_hands.img
 
-test: $(FRAY) $(TESTS) $(HELPERS) $(IMAGE_16) ## run every test; SUITES="cli tidy" picks shell suites
+test: $(FRAY) $(TESTS) $(HELPERS) $(IMAGE_16) $(FX_NARROW) ## run every test; SUITES="cli tidy" picks shell suites
 	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) SUITES="$(SUITES)" \
-	  sh tests/run_all.sh $(TESTS) $(IMAGE_16)
+	  sh tests/run_all.sh $(TESTS) $(IMAGE_16) $(FX_NARROW)
 
 SANITIZE := -fno-sanitize-recover=all -fno-omit-frame-pointer
 san: ## every test program and the command, under sanitizers of gcc and clang

@@ -161,6 +161,57 @@ static void units_are_within_their_error(void) {
   CHECK(most < 0x1p-28 + 0x1p-31 + 0x1p-31);
 }
 
+static uint64_t seed = 88172645463325252u;
+
+/* The definition, in 64 bits, of what fx_rsqrt() does with factors of 32. */
+static uint32_t wide_inverse(uint32_t m, int steps) {
+  uint64_t y = m < 0x80000000u ? 2716337504u - (((uint64_t)m * 616403730u) >> 30)
+                               : 1922456487u - (((uint64_t)m * 217931629u) >> 30);
+  for (int step = 0; step < steps; ++step) {
+    const uint64_t squared = (y * y) >> 31;
+    const uint64_t unity = ((uint64_t)m * squared) >> 30;
+    y = (y * (3u * (uint64_t)0x80000000u - unity)) >> 32;
+  }
+  return (uint32_t)(y > 0x80000000u ? 0x80000000u : y);
+}
+static void roots_are_those_of_64_bits(void) {
+  uint32_t different = 0;
+  for (uint64_t m = (uint64_t)1 << 30; m < (uint64_t)1 << 32; m += 911)
+    for (int steps = FX_ROOT_COARSE; steps <= FX_ROOT_FINE; ++steps)
+      different += fx_rsqrt(m << 32, steps).inverse != wide_inverse((uint32_t)m, steps);
+  CHECK_EQ_INT(different, 0);
+}
+
+static void quotients_are_those_of_a_division(void) {
+  uint32_t different = 0;
+  for (uint32_t n = 0; n < 2000000u; ++n) {
+    const uint32_t d = ((uint32_t)(next(&seed) >> 32) >> (next(&seed) & 31u)) | 1u;
+    uint64_t v = next(&seed) >> (next(&seed) & 63u);
+    if (n % 3u == 0) v = (uint64_t)d * (uint32_t)next(&seed) + (n % 2u == 0 ? d - 1u : 0u);
+    const uint64_t q = v / d;
+    different += fx_divide_wide(v, d) != (q > UINT32_MAX ? UINT32_MAX : (uint32_t)q);
+  }
+  CHECK_EQ_INT(different, 0);
+  CHECK(fx_divide_wide(UINT64_MAX, 1) == UINT32_MAX);
+  CHECK_EQ_INT(fx_divide_wide(0, UINT32_MAX), 0);
+}
+
+static void narrow_forms_are_the_plain_ones(void) {
+  static const int32_t edges[] = {INT32_MIN, -INT32_MAX, -32769, -32768, -1, 0, 1, 32767, 32768,
+                                  INT32_MAX};
+  enum { EDGES = sizeof edges / sizeof edges[0] };
+  for (uint32_t n = 0; n < 200000u; ++n) {
+    const int32_t a = n < EDGES * EDGES ? edges[n / EDGES] : (int32_t)(uint32_t)next(&seed);
+    const int32_t b = n < EDGES * EDGES ? edges[n % EDGES] : (int32_t)(uint32_t)next(&seed);
+    CHECK(fx_add_saturated(a, b) == fx_saturate((int64_t)a + b));
+    CHECK(fx_clamp_rare(a, -1000, 77) == fx_clamp(a, -1000, 77));
+    CHECK(fx_saturate16(a) == fx_clamp(a, -32768, 32767));
+    CHECK(fx_mul_wide(a, b) == (int64_t)a * b);
+    CHECK(fx_mul_wide_u((uint32_t)a, (uint32_t)b) == (uint64_t)(uint32_t)a * (uint32_t)b);
+    CHECK(fx_square(a) == (uint64_t)((int64_t)a * a));
+  }
+}
+
 int main(void) {
   TEST(literals);
   TEST(rounding_is_right_for_every_small_number);
@@ -169,5 +220,8 @@ int main(void) {
   TEST(roots_are_normalised);
   TEST(lengths_are_within_their_error);
   TEST(units_are_within_their_error);
+  TEST(roots_are_those_of_64_bits);
+  TEST(quotients_are_those_of_a_division);
+  TEST(narrow_forms_are_the_plain_ones);
   return test_end();
 }
