@@ -30,7 +30,8 @@ FAULT_O := $(patsubst %,$(BUILD)/faults/platform/linux/%.o,board bus_log can_soc
 IMAGE_16 := $(BUILD)/id16/tests/unit/test_image
 FX_NARROW := $(BUILD)/narrow/tests/unit/test_fx
 
-.PHONY: all help run test clean san san-integer checked golden golden-update fuzz tidy size stack budget-update \ work bench force bus-test bus-test-qemu
+.PHONY: all help run test clean san san-integer checked golden golden-update fuzz tidy size stack work budget-update \
+        proof install bench force targets target-test can-test bus-test bus-test-qemu bus-soak
 all: $(FRAY) ## build the `fray` command
 
 help: ## list the targets

@@ -27,7 +27,8 @@ prepare() {
   for n in 8 16 24; do
     scene hang $n 1000 hang_$n
     scene hands $n 1000 hands_$n
-    set -- "$@" hang_$n "$work/hang_$n.img" - 40 hands_$n "$work/hands_$n.img" "$work/hands.log" 300
+    set -- "$@" hang_$n "$work/hang_$n.img" - - 40 \
+      hands_$n "$work/hands_$n.img" "$work/hands.log" - 300
   done
   "$FRAY_BUILD/tests/cross/emit" "$@" >"$work/cases.c"
   ${CC:-cc} -std=c11 -O2 -Wall -Wextra -Werror -shared -fPIC tests/work/stage_count.c \
