@@ -11,10 +11,8 @@ FUZZ_SECONDS ?= 60
 RT_C := $(wildcard rt/*/*.c)
 TOOL_C := $(wildcard tools/*.c tools/*/*.c platform/*.c platform/log/*.c platform/linux/*.c)
 UNIT_C := $(wildcard tests/unit/*.c tests/oracle/*.c tests/sim/test_*.c)
-HELPER_C := tests/cross/emit.c tests/target/tape.c tests/cli/alter.c tests/bus/bare_timer.c
-HELPER_C := tests/cross/emit.c tests/cli/alter.c tests/bus/bare_timer.c tests/bus/flood_facts.c
 HELPER_C := tests/cross/emit.c tests/target/tape.c tests/cli/alter.c tests/bus/bare_timer.c \
-            tests/work/limits_of.c tests/work/longest.c
+            tests/bus/flood_facts.c tests/work/limits_of.c tests/work/longest.c
 
 RT_O := $(RT_C:%.c=$(BUILD)/%.o)
 TOOL_O := $(TOOL_C:%.c=$(BUILD)/%.o)
