@@ -35,7 +35,7 @@ enum {
 };
 
 /* All counters saturate. */
-typedef struct {
+typedef struct guard {
   uint8_t form, end, instance;
   uint8_t hands;   /* CLASSIC, runtime: bit h iff the world uses hand h; others are not watched */
   uint8_t failed;  /* CLASSIC, runtime: bit h iff the lane of hand h has failed */

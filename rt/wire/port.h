@@ -48,7 +48,7 @@ typedef struct {
   uint8_t hands;         /* bit h: hand h is in use */
   uint8_t command;       /* counter of the last COMMAND accepted */
   sequence pose[FRAY_HANDS];
-  guard *guard;          /* the caller's, set after port_init(); NULL: frames are plain */
+  struct guard *guard;   /* the caller's, set after port_init(); NULL: frames are plain */
   queue waiting;
   port_statistics statistics;
 } port;
