@@ -52,11 +52,15 @@ static int print_case(char **word) {
 }
 
 int main(int argc, char **argv) {
+  if (argc < 2 || (argc - 1) % WORDS != 0) {
+    fprintf(stderr, "usage: emit NAME IMAGE LOG|- SILENCE|- TICKS ...\n");
+    return 2;
+  }
   printf("#include \"tests/cross/cases.h\"\n");
-  for (int n = 1; n + WORDS <= argc; n += WORDS)
+  for (int n = 1; n < argc; n += WORDS)
     if (!print_case(argv + n)) return 2;
   printf("const cross_case cross_cases[] = {\n");
-  for (int n = 1; n + WORDS <= argc; n += WORDS)
+  for (int n = 1; n < argc; n += WORDS)
     printf("  {\"%s\", image_%s, sizeof image_%s, inputs_%s, sizeof inputs_%s / sizeof(fray_input), "
            "%s},\n",
            argv[n], argv[n], argv[n], argv[n], argv[n], argv[n + WORDS - 1]);
