@@ -22,7 +22,7 @@
 extern "C" {
 #endif
 
-#define FRAY_VERSION "0.1.0"
+#define FRAY_VERSION "0.2.0"
 #define FRAY_IMAGE_MAJOR 1u
 #define FRAY_IMAGE_MINOR 0u
 

@@ -16,11 +16,10 @@
  * Formats: 32-bit products only, good on small targets and wide units. A difference d in Q24 is
  * split into hi, 15 bits in units of 2^8, and the rest lo, so that |d|^2 = hi^2 + 2 hi lo + ... is
  * known to 2^-24 of r^2 for rest lengths from 1/16 lu (lo^2 is left out: below 2^-23). Directions
- * use hi alone, lengths both:
- * with 16-bit lengths the rounding alone kept a hanging sheet moving at 3 cm/s. u and f are Q20;
- * one step of f is at most one position step of the correction. The same correction is added to
- * one end and taken from the other, so a pair of equal masses keeps its momentum to the last bit.
- * Rounding is odd-symmetric, so mirrored sheets stay mirrored. */
+ * use hi alone, lengths both: with 16-bit lengths the rounding alone kept a hanging sheet moving at
+ * 3 cm/s. u and f are Q20; one step of f is at most one position step of the correction. The same
+ * correction is added to one end and taken from the other, so a pair of equal masses keeps its
+ * momentum to the last bit. Rounding is odd-symmetric, so mirrored sheets stay mirrored. */
 #include "rt/stage/stage.h"
 
 enum {
