@@ -6,8 +6,6 @@
  * half to the body. */
 #include "rt/stage/stage.h"
 
-static const uint32_t RATIO_MAX = 8u << 28;
-
 /* d * share * 2^-down, rounded. Above 32 bits of shift the upper word has it all, and it fits. */
 static inline int32_t scale_far(int32_t d, int32_t share, unsigned down) {
   const int64_t product = fx_mul_wide(d, share);
@@ -31,7 +29,8 @@ static inline int spring_impulse(vec3 d, const spring_class *c, vec3 *dv) {
   if (n == 0) return 0;
   const fx_root root = fx_rsqrt(n, FX_ROOT_COARSE);
   const uint64_t ratio = fx_mul_wide_u((uint32_t)c->rest, root.inverse) >> (3u + root.h);
-  const uint32_t bounded = ratio < RATIO_MAX ? (uint32_t)ratio : RATIO_MAX;
+  const uint32_t ratio_max = 0x80000000u; /* 8 in Q28 */
+  const uint32_t bounded = ratio < ratio_max ? (uint32_t)ratio : ratio_max;
   const int32_t s = fx_wrap_sub(1 << 28, (int32_t)bounded);
   const int32_t share = (int32_t)fx_asr64(fx_mul_wide(s, c->mantissa), 16);
   const unsigned down = 8u + (unsigned)c->shift;
@@ -75,7 +74,8 @@ static void run_rows(fray_world *w, uint32_t first, uint32_t end, int32_t held) 
 void springs_run(fray_world *w) {
   const uint32_t last = (uint32_t)w->params->link_batches + (uint32_t)w->params->bend_batches +
                         (uint32_t)w->params->shear_batches;
-  for (uint32_t b = (uint32_t)w->params->link_batches; b < last;) {
+  uint32_t b = (uint32_t)w->params->link_batches;
+  while (b < last) {
     const int32_t held = w->batches[b].held;
     const uint32_t first = (uint32_t)w->batches[b].first;
     const uint32_t end = world_run_of_batches(w, &b, last);

@@ -127,8 +127,9 @@ static void project_held(fray_world *w, link_view s, uint32_t first, uint32_t en
 void strain_run(fray_world *w) {
   const link_view view = {w->x, w->y, w->z, w->row_i, w->row_j, w->row_class, w->links};
   const uint32_t batches = (uint32_t)w->params->link_batches;
-  for (int32_t sweep = 0; sweep < w->params->sweeps; ++sweep)
-    for (uint32_t b = 0; b < batches;) {
+  for (int32_t sweep = 0; sweep < w->params->sweeps; ++sweep) {
+    uint32_t b = 0;
+    while (b < batches) {
       const int32_t held = w->batches[b].held;
       const uint32_t first = (uint32_t)w->batches[b].first;
       const uint32_t end = world_run_of_batches(w, &b, batches);
@@ -136,4 +137,5 @@ void strain_run(fray_world *w) {
       if (held == BATCH_HELD) project_held(w, view, first, end);
       if (held != BATCH_IDLE) w->work.projections += end - first;
     }
+  }
 }

@@ -26,7 +26,8 @@ static int worse(const fray_world *w, const cut *a, const cut *b) {
 }
 
 /* A place at the end that `found` may take, or one nearer to the top. */
-static void rise(fray_world *w, uint32_t place, cut found) {
+static void rise(fray_world *w, uint32_t end, cut found) {
+  uint32_t place = end;
   while (place > 0) {
     const uint32_t above = (place - 1u) / 2u;
     if (!worse(w, &w->cuts[above], &found)) break;
@@ -40,11 +41,12 @@ static void rise(fray_world *w, uint32_t place, cut found) {
 static void sink(fray_world *w, cut found) {
   uint32_t place = 0;
   uint32_t below = 1;
-  for (; below + 1u < w->cut_count; below = 2u * place + 1u) {
+  while (below + 1u < w->cut_count) {
     below += worse(w, &w->cuts[below], &w->cuts[below + 1u]) ? 1u : 0u;
     if (!worse(w, &found, &w->cuts[below])) break;
     w->cuts[place] = w->cuts[below];
     place = below;
+    below = 2u * place + 1u;
   }
   if (below + 1u == w->cut_count && worse(w, &found, &w->cuts[below])) {
     w->cuts[place] = w->cuts[below];
