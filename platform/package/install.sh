@@ -6,11 +6,9 @@ set -eu
 library=$1 prefix=$2 root=${3:-}$2
 version=$(sed -n 's/^#define FRAY_VERSION "\(.*\)"$/\1/p' rt/fray.h)
 headers='rt/fray.h rt/base/bytes.h rt/wire/auth.h rt/wire/cmac.h rt/wire/codec.h rt/wire/dictionary.h
-  rt/wire/e2e.h rt/wire/frame.h rt/wire/port.h rt/wire/queue.h rt/wire/fray.dbc'
+  rt/wire/e2e.h rt/wire/frame.h rt/wire/guard.h rt/wire/port.h rt/wire/queue.h rt/wire/sequence.h
+  rt/wire/fray.dbc'
 
-for extra in rt/wire/sequence.h rt/wire/guard.h; do
-  if [ -f "$extra" ]; then headers="$headers $extra"; fi
-done
 for header in $headers; do
   mkdir -p "$root/include/fray/${header%/*}"
   install -m 644 "$header" "$root/include/fray/$header"

@@ -184,7 +184,7 @@ static auth_verdict auth_watch_pose(auth_watch *watch, const frame *f) {
   if (watch->group.held == AUTH_GROUP) {
     auth_watch_fail(watch, &watch->missing);
     watch->group.held = 0;
-    if (watch->failed) return AUTH_WATCH_FAILED;
+    if (watch->failed != 0) return AUTH_WATCH_FAILED;
   }
   auth_group_hold(&watch->group, f);
   auth_count(&watch->poses, 1);
@@ -224,6 +224,6 @@ auth_verdict auth_watch_take(auth_watch *watch, const frame *f) {
   if (f->extended || f->error) return AUTH_WATCH_OTHER;
   const int pose = auth_check_frame(f, watch->group.pose_id, PLAIN) == AUTH_OK;
   if (!pose && f->id != watch->group.tag_id) return AUTH_WATCH_OTHER;
-  if (watch->failed) return AUTH_WATCH_FAILED;
+  if (watch->failed != 0) return AUTH_WATCH_FAILED;
   return pose ? auth_watch_pose(watch, f) : auth_watch_tag(watch, f);
 }

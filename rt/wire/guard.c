@@ -69,24 +69,24 @@ static auth_lane *guard_find(auth_lane *lanes, uint32_t count, uint32_t id, int 
   for (uint32_t n = 0; n < count; ++n) {
     if ((plain ? lanes[n].plain_id : lanes[n].id) == id) return &lanes[n];
   }
-  return 0;
+  return NULL;
 }
 
 static const frame *guard_take_fd(guard *g, const frame *f, frame *plain) {
   const dictionary_message message = dictionary_find(f->id, g->instance);
   if (dictionary_auth(message) != MESSAGES) {
     guard_count(&g->plain);
-    return 0;
+    return NULL;
   }
   auth_lane *lane = guard_find(g->in, g->in_count, f->id, 0);
-  if (lane == 0) return f;
+  if (lane == NULL) return f;
   if (g->looked == GUARD_LOOKS) {
     guard_count(&g->unread);
-    return 0;
+    return NULL;
   }
   const auth_reason reason = auth_open(lane, f, plain);
   g->looked += reason == AUTH_OK || reason == AUTH_FORGED;
-  return reason == AUTH_OK ? plain : 0;
+  return reason == AUTH_OK ? plain : NULL;
 }
 
 static const frame *guard_take_classic(guard *g, const frame *f) {
@@ -98,8 +98,8 @@ static const frame *guard_take_classic(guard *g, const frame *f) {
       case AUTH_WATCH_FAILED:
         g->failed = (uint8_t)(g->failed | 1u << h);
         if (f->id == g->watch[h].group.pose_id) guard_count(&g->plain);
-        return 0;
-      default: return 0;
+        return NULL;
+      default: return NULL;
     }
   }
   return f;
@@ -112,7 +112,7 @@ const frame *guard_take(guard *g, const frame *f, frame *plain) {
 
 int guard_seal(guard *g, frame *f) {
   auth_lane *lane = guard_find(g->out, g->out_count, f->id, 1);
-  return lane == 0 || auth_seal(lane, f) == AUTH_OK;
+  return lane == NULL || auth_seal(lane, f) == AUTH_OK;
 }
 
 int guard_tag(guard *g, const frame *pose, frame *tag) {

@@ -13,15 +13,20 @@
 #ifndef FRAY_WIRE_GUARD_H
 #define FRAY_WIRE_GUARD_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #include "rt/fray.h"
 #include "rt/wire/auth.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #ifdef FRAY_NO_AUTH
 #define GUARD_SET(guard) 0
 #else
-#define GUARD_SET(guard) ((guard) != 0)
+#define GUARD_SET(guard) ((guard) != NULL)
 #endif
 
 typedef enum { GUARD_FD, GUARD_CLASSIC } guard_form;
@@ -86,4 +91,7 @@ int guard_alarm(guard *g);
 /* An operator's RESET was obeyed: failed lanes begin anew. */
 void guard_clear(guard *g);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

@@ -54,7 +54,7 @@ static void port_push_plain(port *p, const frame *f) {
 static void port_push_guarded(port *p, const frame *f) {
   frame plain;
   const frame *use = guard_take(p->guard, f, &plain);
-  if (use != 0) port_push_plain(p, use);
+  if (use != NULL) port_push_plain(p, use);
 }
 
 void port_push(port *p, const frame *f) {
@@ -122,15 +122,16 @@ static int port_read_command(port *p, const queue_item *item, fray_input *input)
   return 1;
 }
 
-static int port_read_pose(port *p, const queue_item *item, port_share *share, fray_input *input) {
+static int port_read_pose(port *p, const queue_item *item, uint32_t hand, port_share *share,
+                          fray_input *input) {
   if (share->poses == PORT_POSES_PER_TICK) return 0;
   fray_pose pose;
-  const codec_reason reason = codec_read_pose(item->data, p->instance, item->lane, &pose);
+  const codec_reason reason = codec_read_pose(item->data, p->instance, hand, &pose);
   if (reason != CODEC_OK) {
     port_refuse(p, reason);
     return 1;
   }
-  if (port_accept_pose(p, item->lane, &pose, share, input)) return 1;
+  if (port_accept_pose(p, hand, &pose, share, input)) return 1;
   share->poses = PORT_POSES_PER_TICK; /* the others wait behind it */
   return 0;
 }
@@ -142,10 +143,11 @@ void port_take(port *p, fray_input *input) {
                                                                  : (uint32_t)PORT_FRAMES_PER_TICK;
   for (uint32_t n = 0; n < count; ++n) {
     queue_item *item = queue_at(&p->waiting, n);
-    const int taken = item->lane == LANE_COMMAND
+    const uint32_t lane = item->lane;
+    const int taken = lane == LANE_COMMAND
                           ? port_read_command(p, item, input)
-                          : port_read_pose(p, item, &shares[item->lane], input);
-    item->waits = (uint8_t)!taken;
+                          : port_read_pose(p, item, lane, &shares[lane], input);
+    item->waits = taken == 0 ? 1u : 0u;
   }
   queue_drop(&p->waiting, count);
 }

@@ -9,7 +9,10 @@
 #include "rt/wire/dictionary.h"
 #include "rt/wire/e2e.h"
 #include "rt/wire/frame.h"
+#include "rt/wire/guard.h"
 #include "rt/wire/port.h"
+#include "rt/wire/queue.h"
+#include "rt/wire/sequence.h"
 
 int main() {
   frame f{};
@@ -23,7 +26,17 @@ int main() {
   fray_input input;
   port_take(&p, &input);
   if (input.has_pose != 1 || input.pose[0].counter != 4) return 2;
+  sequence s;
+  sequence_begin(&s, 4);
+  if (sequence_take(&s, 5) != SEQUENCE_NEW) return 3;
+  const uint8_t secret[CMAC_KEY] = {};
+  cmac_key key;
+  guard g;
+  frame plain;
+  cmac_key_init(&key, secret);
+  guard_init(&g, &key, GUARD_FD, GUARD_RUNTIME, 0, 1);
+  if (guard_take(&g, &f, &plain) != nullptr || g.plain != 1) return 4;
   size_t bytes = 0;
   fray_error error{};
-  return fray_bytes(f.data, sizeof f.data, &bytes, &error) == FRAY_TRUNCATED ? 0 : 3;
+  return fray_bytes(f.data, sizeof f.data, &bytes, &error) == FRAY_TRUNCATED ? 0 : 5;
 }
