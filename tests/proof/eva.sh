@@ -15,7 +15,7 @@ long='-DWARPS=2 -DWEFTS=4 -DSPARE=0 -DHELD=3 -DLINK_BATCHES=2 -DBEND_BATCHES=1 -
 # Where states are kept apart: in what refuses by return, and nowhere that a loop would double them.
 header='headers:50,directories:50,loads:100,load:100,fray_open:100,readable_in_place:10,read_header:1000,check_directory:200'
 values='worlds:1000,validate:1000,image_validate:5000,words_in_range:400,counts_fit:100,link_classes_good:50,spring_classes_good:50,body_good:100,body_sizes_good:100,place_good:50,orthonormal:200,keys_good:50,bodies_good:2000,particles_good:500,crossings_good:100,ids_good:300,batches_good:50,homes_good:100,row_is_at_home:30,weave_ends:20'
-port='port_read:20,codec_read_pose:5,codec_read_command:5,port_take:0'
+port='port_read_command:20,port_read_pose:20,port_accept_pose:20,sequence_take:20,codec_read_pose:5,codec_read_command:5,port_take:0'
 
 options_of() { # FILE MAIN: sets files, options
   case $1-$2 in
@@ -88,9 +88,12 @@ prove 'fixed point, 32-bit machine' fx32 eva_fx operations gcc_x86_32 ''
 prove 'codec: any frame in' decodes eva_wire decodes gcc_x86_64 ''
 prove 'codec: any message out' encodes eva_wire encodes gcc_x86_64 ''
 prove 'port: any frames, any number' ports eva_wire ports gcc_x86_64 ''
+prove 'port: counters of a hand, any of them' sequences eva_wire sequences gcc_x86_64 ''
 prove 'port: outputs of any tick' senders eva_wire senders gcc_x86_64 ''
 prove 'authenticated lanes: any frames, any number' lanes eva_wire lanes gcc_x86_64 ''
 prove 'authenticated groups: any frames, any number' groups eva_wire groups gcc_x86_64 ''
+prove 'guard, FD: any frames, any number' guards_fd eva_wire guards_fd gcc_x86_64 ''
+prove 'guard, CLASSIC: any frames, any number' guards_classic eva_wire guards_classic gcc_x86_64 ''
 prove 'image: any header, no unsigned sum wraps' headers eva_image headers gcc_x86_64 '' -warn-unsigned-overflow
 prove 'image: any header, any directory' directories eva_image directories gcc_x86_64 ''
 prove 'image: any bytes to memory, and saved again' loads eva_image loads gcc_x86_64 ''

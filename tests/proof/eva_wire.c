@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The edge of the bus: any frame, in any order, to a port of any instance; every decode of any
- * frame; every encode of any message; the outputs of any tick; authenticated lanes. */
+ * frame; every encode of any message; the outputs of any tick; the counters of a hand; authenticated
+ * lanes; guards of both forms and ends. */
 #include "rt/wire/auth.h"
 #include "rt/wire/e2e.h"
+#include "rt/wire/guard.h"
 #include "rt/wire/port.h"
+#include "rt/wire/sequence.h"
 #include "tests/proof/any.h"
 
 static frame any_frame(void) {
@@ -92,6 +95,18 @@ void ports(void) {
   }
 }
 
+/* Any counters, on from any first one. */
+void sequences(void) {
+  sequence s;
+  sequence_begin(&s, (uint8_t)any_between(0, 255));
+  while (any_word() != 0) {
+    const uint8_t counter = (uint8_t)any_between(0, 15);
+    const uint32_t ahead = sequence_ahead(&s, counter);
+    (void)sequence_take(&s, counter);
+    /*@ assert ahead <= 15 && s.last <= 15 && s.old_next <= 15 && s.old_run < SEQUENCE_RESTART; */
+  }
+}
+
 void senders(void) {
   port_sender s;
   fray_output output;
@@ -144,4 +159,50 @@ void groups(void) {
     (void)auth_watch_take(&watch, &f);
     if (any_word() != 0) auth_watch_clear(&watch);
   }
+}
+
+/* Everything that a guard is asked for, in any order and number. */
+static guard g;
+
+static void guard_of(guard_form form, guard_end end) {
+  cmac_key key;
+  guard_lane of[GUARD_LANES];
+  frame tag;
+  any_bytes(&key, sizeof key);
+  guard_init(&g, &key, form, end, any_word(), any_word());
+  const uint32_t count = guard_lanes(&g, of);
+  /*@ assert count <= GUARD_LANES; */
+  for (uint32_t n = 0; n < GUARD_IN; ++n) {
+    g.in[n].last = any_word();
+    g.in[n].most = any_word();
+  }
+  for (uint32_t n = 0; n < GUARD_OUT; ++n) {
+    g.out[n].last = any_word();
+    g.out[n].most = any_word();
+  }
+  for (uint32_t h = 0; h < FRAY_HANDS; ++h) {
+    g.watch[h].group.last = any_word();
+    g.group[h].last = any_word();
+  }
+  while (any_word() != 0) {
+    const frame f = any_frame();
+    frame out = f;
+    frame plain;
+    guard_tick(&g);
+    while (any_word() != 0) (void)guard_take(&g, &f, &plain);
+    (void)guard_seal(&g, &out);
+    (void)guard_tag(&g, &f, &tag);
+    (void)guard_alarm(&g);
+    if (any_word() != 0) guard_clear(&g);
+  }
+}
+
+void guards_fd(void) {
+  guard_of(GUARD_FD, GUARD_RUNTIME);
+  guard_of(GUARD_FD, GUARD_DEVICE);
+}
+
+void guards_classic(void) {
+  guard_of(GUARD_CLASSIC, GUARD_RUNTIME);
+  guard_of(GUARD_CLASSIC, GUARD_DEVICE);
 }
