@@ -219,6 +219,24 @@ static void failed_lanes(void) {
   candump_free(&log_);
 }
 
+/* A RESET lets the failed lane begin anew; the other one is in the middle of its four. */
+static void a_reset_of_one_lane(void) {
+  begin(GUARD_CLASSIC);
+  for (uint32_t n = 0; n < 3; ++n) say_group(4 * n + 1, 1);
+  for (uint32_t n = 1; n <= 4; ++n) {
+    frame f = pose(1, n, 0), tag;
+    say(&f);
+    if (guard_tag(&device, &f, &tag)) say(&tag);
+    if (n == 2) say_tick(6, 1);
+  }
+  unseal(3);
+  CHECK(strstr(words, "TAG_LEFT: the lane has failed") != NULL);
+  CHECK(strstr(words, "TAG_RIGHT") == NULL);
+  CHECK_EQ_INT(counts.good, 1);
+  CHECK_EQ_INT(counts.refused, 3);
+  candump_free(&log_);
+}
+
 /* Whole: with a key file, and without. */
 static const char *says(const char *key_file) {
   parse();
@@ -266,6 +284,7 @@ int main(void) {
   TEST(two_senders_of_commands);
   TEST(which_form);
   TEST(failed_lanes);
+  TEST(a_reset_of_one_lane);
   TEST(with_and_without_a_key);
   return test_end();
 }
