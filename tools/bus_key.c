@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#define _DEFAULT_SOURCE /* explicit_bzero: a memset before the end of an object's use is left out */
+
 #include "tools/bus_key.h"
 
 #include <string.h>
@@ -28,7 +30,7 @@ int bus_key_read(const char *file, cmac_key *key) {
     cmac_key_init(key, bytes);
   else
     candump_print_error(stderr, &error);
-  memset(bytes, 0, sizeof bytes);
+  explicit_bzero(bytes, sizeof bytes);
   return good;
 }
 
@@ -54,7 +56,7 @@ int bus_key_open(bus_key *k, const bus_key_options *o, guard_end end, uint32_t i
   guard_init(&k->g, &k->key, o->classic_tags ? GUARD_CLASSIC : GUARD_FD, end, instance, hands);
   if (o->freshness != NULL && !freshness_open(&k->store, o->freshness, &k->g, &k->key, &error)) {
     candump_print_error(stderr, &error);
-    memset(&k->key, 0, sizeof k->key);
+    explicit_bzero(&k->key, sizeof k->key);
     return 0;
   }
   k->stored = o->freshness != NULL;
@@ -65,7 +67,8 @@ int bus_key_open(bus_key *k, const bus_key_options *o, guard_end end, uint32_t i
 int bus_key_tick(bus_key *k) {
   if (!k->stored) return 1;
   freshness_exchange(&k->store);
-  return freshness_failed(&k->store) == 0;
+  if (k->fault == 0) k->fault = freshness_failed(&k->store);
+  return k->fault == 0;
 }
 
 int bus_key_close(bus_key *k) {
@@ -73,8 +76,11 @@ int bus_key_close(bus_key *k) {
   if (!good)
     fprintf(stderr, "%s: cannot be written: %s\n", k->store.file,
             strerror(freshness_failed(&k->store)));
-  memset(&k->key, 0, sizeof k->key);
-  return good;
+  else if (k->fault != 0)
+    fprintf(stderr, "%s: could not be written for a while: %s; that is why this end stopped\n",
+            k->store.file, strerror(k->fault));
+  explicit_bzero(&k->key, sizeof k->key);
+  return good && k->fault == 0;
 }
 
 static const char *name_of(const bus_key *k, uint32_t id) {

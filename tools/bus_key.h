@@ -19,6 +19,7 @@ typedef struct {
   guard g;
   freshness store;
   int stored; /* there is a store */
+  int fault;  /* errno for which bus_key_tick() said stop, 0: none */
 } bus_key;
 
 /* Whether the options go together; 0 after a message to stderr. `live`: --can was given. */
@@ -32,10 +33,11 @@ int bus_key_read(const char *file, cmac_key *key);
 int bus_key_open(bus_key *k, const bus_key_options *o, guard_end end, uint32_t instance,
                  uint32_t hands);
 
-/* Once a tick. Returns 0 iff the freshness cannot be stored any more: stop. */
+/* Once a tick. Returns 0 iff the freshness could not be stored: stop, and it stays at that. */
 int bus_key_tick(bus_key *k);
 
-/* Stores the freshness, forgets the key. Returns 0 after a message to stderr. */
+/* Stores the freshness, wipes the key. Returns 0 after a message to stderr: that failed, or it was
+ * why bus_key_tick() said stop. */
 int bus_key_close(bus_key *k);
 
 /* Why nothing of the other end is used, as a phrase; NULL while there is no sign of that. */

@@ -181,5 +181,6 @@ int hand_live_run(const script *s, const device_trouble *trouble, const hand_liv
   if (!bus_key_open(&key, &o->key, GUARD_DEVICE, s->instance, 0)) return 2;
   l.key = &key;
   const int code = run_on_bus(&l);
-  return bus_key_close(&key) || code != 0 ? code : 1;
+  const int kept = bus_key_close(&key);
+  return code != 0 || kept ? code : 1;
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#define _POSIX_C_SOURCE 200809L
+#define _DEFAULT_SOURCE /* explicit_bzero */
+
 #include "tools/key_file.h"
 
 #include <errno.h>
@@ -60,7 +61,6 @@ static int check_mode(const char *file, int in, candump_error *error) {
 static int read_key(const char *file, int in, uint8_t key[CMAC_KEY], candump_error *error) {
   char text[ROOM];
   size_t bytes = 0;
-  if (!check_mode(file, in, error)) return 0;
   while (bytes < ROOM) {
     const ssize_t got = read(in, text + bytes, ROOM - bytes);
     if (got < 0 && errno == EINTR) continue;
@@ -70,7 +70,9 @@ static int read_key(const char *file, int in, uint8_t key[CMAC_KEY], candump_err
     if (got == 0) break;
     bytes += (size_t)got;
   }
-  return parse(file, text, bytes, key, error);
+  const int good = parse(file, text, bytes, key, error);
+  explicit_bzero(text, sizeof text);
+  return good;
 }
 
 int key_file_read(const char *file, uint8_t key[CMAC_KEY], candump_error *error) {
@@ -78,8 +80,8 @@ int key_file_read(const char *file, uint8_t key[CMAC_KEY], candump_error *error)
   /* without O_NONBLOCK a pipe of this name would wait for ever, before it is refused */
   const int in = open(file, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (in < 0) return candump_fail(error, file, 0, 0, "cannot be opened: %s", strerror(errno));
-  const int good = read_key(file, in, key, error);
+  const int good = check_mode(file, in, error) && read_key(file, in, key, error);
   close(in);
-  if (!good) memset(key, 0, CMAC_KEY);
+  if (!good) explicit_bzero(key, CMAC_KEY);
   return good;
 }

@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#define _DEFAULT_SOURCE /* explicit_bzero */
+
 #include "tools/unseal.h"
 
 #include <string.h>
@@ -247,6 +249,6 @@ int unseal_log(const char *file, candump_log *log, const char *key_file, uint32_
   if (!bus_key_read(key_file, &key)) return 0;
   const int good = fd ? open_fd(file, log, &key, instance, err)
                       : open_classic(file, log, &key, instance, hands, err);
-  memset(&key, 0, sizeof key);
+  explicit_bzero(&key, sizeof key);
   return good;
 }
