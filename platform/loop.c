@@ -85,9 +85,9 @@ loop_result loop_run(loop *l) {
   if (GUARD_SET(l->in.guard) && guard_alarm(l->in.guard)) l->halt = 1;
   if (l->halt != 0) l->command = FRAY_VERB_HALT;
   if (l->command != FRAY_VERB_NONE) say_command(l);
+  send_unsent(l); /* now or never: also when HALT has to wait */
   if (l->halt != 0 && l->input.verb != FRAY_VERB_HALT) return LOOP_BUS_LOST;
   l->halt = 0;
-  send_unsent(l);
   fray_tick(l->world, &l->input, &l->output);
   obey_reset(l);
   l->tick = l->output.tick + 1u;

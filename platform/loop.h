@@ -21,7 +21,7 @@ typedef struct {
   uint32_t frames_lost;   /* outputs that never went out: the recording cannot be verified then */
   frame unsent[PORT_OUT]; /* the last tick's, refused by the board: said once more in the next one */
   uint8_t unsent_count;
-  uint8_t halt;           /* the bus was lost, or a lane of TAGs: the next tick goes to SAFE */
+  uint8_t halt;           /* the bus was lost, or a lane of TAGs failed: the next tick goes to SAFE */
   uint8_t command;        /* a verb of the loop's own for the next tick, or 0 */
   uint8_t command_counter;
   fray_input input;       /* of the last tick */

@@ -35,7 +35,7 @@ int32_t platform_wait(void);
  * next call. */
 platform_result platform_sync(const frame *sync, port *p);
 
-/* Queues a frame. What cannot be sent now is counted, and the loop's: it tries once more. */
+/* Queues a frame. PLATFORM_LOST: not now. The loop keeps it and tries once more, in the next tick. */
 platform_result platform_send(const frame *f);
 
 /* The console: text that ends with a 0. Figures and faults, never in a tick. */

@@ -283,6 +283,17 @@ static void a_lost_force_is_named(void) {
   end();
 }
 
+static void nothing_of_before_comes(void) {
+  codec_force force;
+  const size_t from = sim.count;
+  CHECK_EQ_INT(s.l.unsent_count, 0);
+  CHECK_EQ_INT(s.l.frames_lost, 2);
+  comes_back();
+  for (size_t n = from; n < sim.count; ++n)
+    if (codec_decode_force(&sim.entries[n].f, 0, 0, &force) == CODEC_OK)
+      CHECK_EQ_INT(force.x | force.y | force.z, 0);
+}
+
 /* The bus is lost before it could be said again: no force of before comes after. */
 static void a_refused_force_is_dropped_with_the_bus(void) {
   begin();
@@ -292,14 +303,22 @@ static void a_refused_force_is_dropped_with_the_bus(void) {
   CHECK_EQ_INT(one_tick(), LOOP_TICKED);
   CHECK_EQ_INT(s.l.unsent_count, 2);
   lose(1, 0);
-  CHECK_EQ_INT(s.l.unsent_count, 0);
-  CHECK_EQ_INT(s.l.frames_lost, 2);
-  const size_t from = sim.count;
-  comes_back();
-  codec_force force;
-  for (size_t n = from; n < sim.count; ++n)
-    if (codec_decode_force(&sim.entries[n].f, 0, 0, &force) == CODEC_OK)
-      CHECK_EQ_INT(force.x | force.y | force.z, 0);
+  nothing_of_before_comes();
+  end();
+}
+
+/* Nor when the bus is there and HALT has to wait. */
+static void a_refused_force_does_not_wait_for_halt(void) {
+  begin();
+  session_poses(&s);
+  start(60);
+  sim.send_fails = 2;
+  CHECK_EQ_INT(one_tick(), LOOP_TICKED);
+  CHECK_EQ_INT(s.l.unsent_count, 2);
+  s.l.halt = 1;
+  sim.send_fails = 3; /* HALT, FORCE, FORCE */
+  CHECK_EQ_INT(one_tick(), LOOP_BUS_LOST);
+  nothing_of_before_comes();
   end();
 }
 
@@ -312,5 +331,6 @@ int main(void) {
   TEST(a_refused_frame_is_said_again);
   TEST(a_lost_force_is_named);
   TEST(a_refused_force_is_dropped_with_the_bus);
+  TEST(a_refused_force_does_not_wait_for_halt);
   return test_end();
 }
