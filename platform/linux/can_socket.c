@@ -58,7 +58,8 @@ static int find_interface(can_socket *s, const can_setting *setting, int *index)
     return refuse(s, "no such interface", "; expected one that `ip link show type can` lists");
   *index = request.ifr_ifindex;
   if (!setting->sends_fd) return 1;
-  if (sys_interface_mtu(s->fd, &request) == 0 && request.ifr_mtu >= (int)CANFD_MTU) return 1;
+  if (sys_interface_mtu(s->fd, &request) != 0) return refuse(s, "its mtu cannot be read", "");
+  if (request.ifr_mtu >= (int)CANFD_MTU) return 1;
   fprintf(stderr,
           "%s: takes classic frames only (mtu %d), expected CAN FD, mtu 72: ip link set IFACE mtu 72, "
           "of a controller also `type can ... dbitrate N fd on`; or --classic-tags\n",
@@ -71,7 +72,12 @@ int can_open(can_socket *s, const char *interface, const can_setting *setting) {
   struct sockaddr_can address;
   memset(s, 0, sizeof *s);
   memset(&address, 0, sizeof address);
-  snprintf(s->name, sizeof s->name, "%s", interface);
+  if ((size_t)snprintf(s->name, sizeof s->name, "%s", interface) >= sizeof s->name) {
+    fprintf(stderr, "%s: no such interface; expected a name of at most %d characters\n", interface,
+            (int)sizeof s->name - 1);
+    s->fd = -1;
+    return 0;
+  }
   s->fd = sys_socket(PF_CAN, SOCK_RAW, CAN_RAW);
   if (s->fd < 0)
     return refuse(s, "no CAN socket", "; expected a kernel with CAN (modprobe can_raw)");
