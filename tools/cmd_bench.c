@@ -30,10 +30,10 @@ typedef struct {
 
 static void print_usage(FILE *out) {
   fprintf(out,
-          "usage: fray bench [X.scene|X.img [--log IN.log]] [--ticks N] [--json]\n\n"
+          "usage: fray bench [X.scene|X.img [--log IN.log [--key FILE]]] [--ticks N] [--json]\n\n"
           "Without a scene: hanging sheets of 41x41, 64x64, 80x40 and 160x80, 4 substeps; per\n"
           "projection next to a plain and a coloured scalar float loop of the same links.\n"
-          "With one: time and counted work per tick, by stage.\n\n"
+          "With one: time and counted work per tick, by stage. --key: of a recording under a key.\n\n"
           "exit: 0 good, 1 out of memory, 2 wrong use or unreadable input\n");
 }
 
@@ -178,10 +178,11 @@ static int bench_sheets(int json) {
   return 0;
 }
 
-static int bench_scene(const char *file, const char *log, uint32_t ticks, int json) {
+static int bench_scene(const char *file, const char *log, const char *key, uint32_t ticks,
+                       int json) {
   session s;
   tick_times t;
-  if (session_open(&s, file, log, NULL, 0) != 0) return 2;
+  if (session_open(&s, file, log, key, 0) != 0) return 2;
   if (ticks == 0) ticks = log != NULL ? s.log.count : 1000;
   const int good = ticks > 0 && time_ticks(&s, ticks, &t);
   if (good && json) {
@@ -199,16 +200,23 @@ static int bench_scene(const char *file, const char *log, uint32_t ticks, int js
 int cmd_bench(int argc, char **argv) {
   const char *file = NULL;
   const char *log = NULL;
+  const char *key = NULL;
   uint32_t ticks = 0;
   int json = 0;
   const option table[] = {{"--log", &log, NULL, NULL, 0, 0},
                           {"--ticks", NULL, &ticks, NULL, 1, TICKS_MAX},
+                          {"--key", &key, NULL, NULL, 0, 0},
                           {"--json", NULL, NULL, &json, 0, 0}};
-  const options_result wish = options_parse(argc, argv, table, 3, &file);
+  const options_result wish =
+      options_parse(argc, argv, table, sizeof table / sizeof table[0], &file);
   if (wish == OPTIONS_HELP || (log != NULL && file == NULL)) {
     print_usage(wish == OPTIONS_HELP ? stdout : stderr);
     return wish == OPTIONS_HELP ? 0 : 2;
   }
   if (wish == OPTIONS_WRONG) return 2;
-  return file != NULL ? bench_scene(file, log, ticks, json) : bench_sheets(json);
+  if (key != NULL && log == NULL) {
+    fprintf(stderr, "fray bench: --key goes with --log\n");
+    return 2;
+  }
+  return file != NULL ? bench_scene(file, log, key, ticks, json) : bench_sheets(json);
 }

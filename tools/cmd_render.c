@@ -236,6 +236,10 @@ int cmd_render(int argc, char **argv) {
     fprintf(stderr, "fray render: expected a scene or an image; fray render --help tells more\n");
   if (wish == OPTIONS_WRONG || o.file == NULL || !parse_options(&o, every, length, size, view))
     return EXIT_USAGE;
+  if (o.key != NULL && o.log == NULL) {
+    fprintf(stderr, "fray render: --key goes with --log\n");
+    return EXIT_USAGE;
+  }
   const int opened = session_open(&job.s, o.file, o.log, o.key, o.instance);
   if (opened != 0) return opened;
   const int code = render_world(&job);

@@ -14,8 +14,8 @@ typedef struct {
 } session;
 
 /* Opens a scene or image, and its log if `log` is not NULL; `key` is the key file of a recording
- * under a key, or NULL. Returns 0, or 2 (the exit code) after
- * a message to stderr; the session is then closed. */
+ * under a key, or NULL. Returns 0, or 2 (the exit code) after a message to stderr; the session is
+ * then closed. */
 int session_open(session *s, const char *file, const char *log, const char *key,
                  uint32_t instance);
 /* The input of the n-th tick; nothing behind the end of the log. */

@@ -207,6 +207,15 @@ static int has_tags(const candump_log *log, uint32_t instance) {
   return 0;
 }
 
+static int open_without_key(const char *file, const candump_log *log, int fd, uint32_t instance,
+                            FILE *err) {
+  if (fd)
+    fprintf(err, "%s: was recorded under a key, expected --key FILE\n", file);
+  else if (has_tags(log, instance))
+    fprintf(err, "%s: its TAGs are not checked without --key FILE\n", file);
+  return !fd;
+}
+
 static int open_fd(const char *file, candump_log *log, const cmac_key *key, uint32_t instance,
                    FILE *err) {
   unseal_counts counts;
@@ -237,10 +246,7 @@ int unseal_log(const char *file, candump_log *log, const char *key_file, uint32_
                uint32_t hands, FILE *err) {
   cmac_key key;
   const int fd = unseal_is_fd(log, instance);
-  if (key_file == NULL) {
-    if (fd) fprintf(err, "%s: was recorded under a key, expected --key FILE\n", file);
-    return !fd;
-  }
+  if (key_file == NULL) return open_without_key(file, log, fd, instance, err);
   if (!fd && !has_tags(log, instance)) {
     fprintf(err, "%s: nothing of instance %u has a tag, expected a recording under a key; without one "
                  "leave --key away\n", file, instance);

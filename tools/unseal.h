@@ -33,8 +33,9 @@ void unseal_fd(const char *file, candump_log *log, const cmac_key *key, uint32_t
 void unseal_classic(const char *file, candump_log *log, const cmac_key *key, uint32_t instance,
                     uint32_t hands, unseal_counts *counts, FILE *out);
 
-/* All of it. `key_file`: NULL iff there is none. Returns 0 after a message to `err`: the log is under
- * a key and there is none, or it does not fit, or the log has no tags at all. */
+/* All of it. `key_file`: NULL iff there is none; TAGs are then not checked, which is said. Returns 0
+ * after a message to `err`: the log is of CAN FD under a key and there is none, or the key does not
+ * fit, or the log has no tags at all. */
 int unseal_log(const char *file, candump_log *log, const char *key_file, uint32_t instance,
                uint32_t hands, FILE *err);
 

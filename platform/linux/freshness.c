@@ -150,7 +150,7 @@ static int parse(freshness *s, const char *text, size_t bytes, candump_error *er
   const char *at = text;
   for (uint32_t n = 0; n < s->count + 1; ++n) {
     at = strchr(at, '\n');
-    if (at == NULL) return candump_fail(error, s->file, 0, 0, "not a file of freshness");
+    if (at == NULL) return candump_fail(error, s->file, 0, 0, "not a file of freshness, expected one that --freshness wrote, or none");
     at += 1;
     const char *end = strchr(at, '\n');
     const char *number = end;

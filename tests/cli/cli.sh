@@ -228,12 +228,16 @@ for use in "run $image" "hand tests/cross/small.hand"; do
   wants 2 "no --freshness FILE, so this end begins anew" "$FRAY" $use --can can9 --key "$key"
   wants 2 "no/lanes: cannot be written" "$FRAY" $use --can can9 --key "$key" --freshness "$cd_work/no/lanes"
   echo "fray" >"$cd_work/$verb.lanes"
-  wants 2 "$verb.lanes" "$FRAY" $use --can can9 --key "$key" --freshness "$cd_work/$verb.lanes"
+  wants 2 "$verb.lanes: not a file of freshness, expected one that --freshness wrote, or none" "$FRAY" $use --can can9 --key "$key" --freshness "$cd_work/$verb.lanes"
   wants 2 "new.$verb: a new file" "$FRAY" $use --can can9 --key "$key" --freshness "$cd_work/new.$verb"
   wants 2 "was written under another key, or altered" "$FRAY" $use --can can9 --key "$cd_work/other.key" --freshness "$cd_work/new.$verb"
 done
 wants 2 "not of this end of the bus, expected 'runtime fd instance 0'" "$FRAY" run "$image" --can can9 --key "$key" --freshness "$cd_work/new.hand"
 wants 2 "go with --can" "$FRAY" run "$image" --log "$keyed" --key "$key" --classic-tags
 wants 2 "fray run: --key goes with --can or --log" "$FRAY" run "$image" --key "$key"
+wants 2 "fray render: --key goes with --log" "$FRAY" render "$image" --key "$key"
+wants 2 "fray bench: --key goes with --log" "$FRAY" bench "$image" --key "$key"
+wants 0 "$image" "$FRAY" bench "$image" --log "$keyed" --key "$key" --ticks 20
+wants 2 "expected a name of at most 15 characters" "$FRAY" run "$image" --can a_name_too_long_
 wants 2 "--key go with --can" "$FRAY" hand -o "$cd_work/x.log" tests/cross/small.hand --key "$key"
 suite_end

@@ -269,6 +269,7 @@ static void with_and_without_a_key(void) {
   begin(GUARD_CLASSIC);
   say_group(1, 0);
   CHECK_TEXT(says(NULL), "");
+  CHECK_TEXT(words, "x.log: its TAGs are not checked without --key FILE\n");
   CHECK_TEXT(says(path), "");
   CHECK_TEXT(words, "x.log: 1 TAGs are good, 0 failures, 0 POSEs after a failed lane are not used\n");
   lines[0] = 0;
