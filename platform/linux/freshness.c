@@ -9,6 +9,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -64,22 +66,35 @@ static int sync_folder(const char *file) {
   return good;
 }
 
+/* Instead of the file that was held before; -1: none. */
+static void hold(freshness *s, int file) {
+  if (s->held >= 0) close(s->held);
+  s->held = file;
+}
+
+/* One that lost its name since it was opened is an old one of somebody who stores. */
+static int is_anothers(int file) {
+  struct stat status;
+  if (flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return 1;
+  return fstat(file, &status) == 0 && status.st_nlink == 0;
+}
+
 /* Returns 0, or an errno. */
-static int store(const freshness *s, const uint32_t *values) {
+static int store(freshness *s, const uint32_t *values) {
   char text[TEXT];
   const size_t bytes = format(s, values, text);
   const int out = open(s->fresh, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
   if (out < 0) return errno;
+  (void)flock(out, LOCK_EX | LOCK_NB); /* a file system without locks is as good as none */
   errno = EIO;
-  int good = write_all(out, text, bytes);
-  int fault = errno;
-  if (close(out) != 0 && good) {
-    good = 0;
-    fault = errno;
+  if (!write_all(out, text, bytes) || rename(s->fresh, s->file) != 0) {
+    const int fault = errno;
+    close(out);
+    return fault;
   }
-  if (!good) return fault;
+  hold(s, out);
   errno = EIO;
-  return rename(s->fresh, s->file) == 0 && sync_folder(s->file) ? 0 : errno;
+  return sync_folder(s->file) ? 0 : errno;
 }
 
 /* What the file is to say now, and once it does, how far the senders may go. */
@@ -175,21 +190,23 @@ static int parse(freshness *s, const char *text, size_t bytes, candump_error *er
 
 static int load(freshness *s, candump_error *error) {
   char text[TEXT];
-  FILE *in = fopen(s->file, "rbe");
-  if (in == NULL && errno == ENOENT) {
+  s->held = open(s->file, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe of this name has no end */
+  if (s->held < 0 && errno == ENOENT) {
     s->is_new = 1;
     return 1;
   }
-  if (in == NULL) {
+  if (s->held < 0) {
     return candump_fail(error, s->file, 0, 0, "cannot be opened: %s", strerror(errno));
   }
-  errno = 0;
-  const size_t bytes = fread(text, 1, sizeof text - 1, in);
-  const int fault = ferror(in) ? errno : 0;
-  fclose(in);
-  if (fault != 0) return candump_fail(error, s->file, 0, 0, "cannot be read: %s", strerror(fault));
+  if (is_anothers(s->held)) {
+    return candump_fail(error, s->file, 0, 0,
+                        "another process stores its freshness here, expected that it has ended, or "
+                        "a file for each end");
+  }
+  const ssize_t bytes = read(s->held, text, sizeof text - 1);
+  if (bytes < 0) return candump_fail(error, s->file, 0, 0, "cannot be read: %s", strerror(errno));
   text[bytes] = 0;
-  return parse(s, text, bytes, error);
+  return parse(s, text, (size_t)bytes, error);
 }
 
 static int check_lanes(freshness *s, candump_error *error) {
@@ -207,10 +224,21 @@ static int check_lanes(freshness *s, candump_error *error) {
   return 1;
 }
 
+static int begin(freshness *s, candump_error *error) {
+  if (!load(s, error) || !check_lanes(s, error)) return 0;
+  const int fault = store_ahead(s);
+  if (fault != 0) {
+    return candump_fail(error, s->file, 0, 0, "cannot be written: %s", strerror(fault));
+  }
+  freshness_exchange(s);
+  return start_writer(s) || candump_fail(error, s->file, 0, 0, "no thread for its writer");
+}
+
 int freshness_open(freshness *s, const char *file, guard *g, const cmac_key *key,
                    candump_error *error) {
   guard_lane lanes[GUARD_LANES];
   memset(s, 0, sizeof *s);
+  s->held = -1;
   s->key = key;
   s->g = g;
   s->count = guard_lanes(g, lanes);
@@ -222,13 +250,9 @@ int freshness_open(freshness *s, const char *file, guard *g, const cmac_key *key
     return candump_fail(error, "", 0, 0, "the name of the file of freshness is too long");
   }
   snprintf(s->fresh, sizeof s->fresh, "%s.new", s->file);
-  if (!load(s, error) || !check_lanes(s, error)) return 0;
-  const int fault = store_ahead(s);
-  if (fault != 0) {
-    return candump_fail(error, s->file, 0, 0, "cannot be written: %s", strerror(fault));
-  }
-  freshness_exchange(s);
-  return start_writer(s) || candump_fail(error, s->file, 0, 0, "no thread for its writer");
+  if (begin(s, error)) return 1;
+  hold(s, -1);
+  return 0;
 }
 
 void freshness_exchange(freshness *s) {
@@ -249,6 +273,7 @@ int freshness_close(freshness *s) {
   s->running = 0;
   for (uint32_t n = 0; n < s->count; ++n) values[n] = *s->lanes[n].lane.last;
   const int fault = store(s, values);
+  hold(s, -1);
   if (fault != 0) atomic_store(&s->failed, fault);
   return fault == 0;
 }

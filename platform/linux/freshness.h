@@ -6,6 +6,7 @@
  * The loop never touches the file: freshness_exchange() copies a few words, and a thread of its own,
  * made before the process becomes a real-time one, writes FILE.new, fsyncs it, renames it to FILE and
  * fsyncs the folder. So FILE is a whole old one or a whole new one at any moment.
+ * It is locked from open to close: an end that is still on its way out would put it back otherwise.
  *
  * The file is a text with the end, form and instance that it is for, and a CMAC under the key over
  * all of it: one of another key, of another end, or that was altered is refused. An old copy put back
@@ -39,12 +40,14 @@ typedef struct {
   atomic_int failed; /* errno of the last write, 0: good */
   atomic_int stop;
   int is_new;        /* there was no file */
+  int held;          /* FILE as of the last store, locked; -1: none */
   int running;
   pthread_t writer;
 } freshness;
 
 /* Sets the lanes of a guard that was just initialised from `file`, writes what is ahead of them, and
- * starts the writer. A file that is not there is made. Key and guard must outlive it.
+ * starts the writer. A file that is not there is made; one that another process stores to is refused.
+ * Key and guard must outlive it.
  * Returns 1, or 0 with *error: nothing is running then. */
 int freshness_open(freshness *s, const char *file, guard *g, const cmac_key *key,
                    candump_error *error);

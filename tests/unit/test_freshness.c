@@ -178,6 +178,25 @@ static void a_spent_key(void) {
   CHECK(freshness_close(&store));
 }
 
+/* From open to close, through the stores in between. */
+static void one_process_a_file(void) {
+  static freshness second;
+  guard another;
+  guard_init(&another, &key, GUARD_FD, GUARD_DEVICE, 0, 3);
+  unlink(path);
+  CHECK(begin());
+  CHECK(!freshness_open(&second, path, &another, &key, &error));
+  CHECK(strstr(error.message, "another process stores its freshness here") != NULL);
+  CHECK_EQ_INT(seal(6000), 6000);
+  until_allowed(16000);
+  CHECK_EQ_INT(g.out[1].most, 16000);
+  CHECK(!freshness_open(&second, path, &another, &key, &error));
+  CHECK(freshness_close(&store));
+  CHECK(freshness_open(&second, path, &another, &key, &error));
+  CHECK_EQ_INT(another.out[1].last, 6000);
+  CHECK(freshness_close(&second));
+}
+
 static void what_cannot_be_written(void) {
   char words[64];
   snprintf(words, sizeof words, "%s", path);
@@ -216,6 +235,7 @@ int main(void) {
   TEST(after_a_kill);
   TEST(files_that_do_not_fit);
   TEST(a_spent_key);
+  TEST(one_process_a_file);
   TEST(what_cannot_be_written);
   unlink(path);
   rmdir(folder);
