@@ -59,7 +59,8 @@ static void print_usage(FILE *out) {
           "                   32 hex digits, mode 0600\n"
           "  --classic-tags   with --key on classic CAN: wants a TAG after every fourth POSE;\n"
           "                   three bad ones in a row take it to SAFE until RESET\n"
-          "  --freshness FILE keeps where the lanes are, so that one key lasts for many sessions\n\n"
+          "  --freshness FILE keeps how far this end has come, so that one key lasts for many\n"
+          "                   sessions; a file for each end\n\n"
           "The last line is `hash <16 hex> ticks <n> tears <n> pieces <n> faults <n>`.\n\n"
           "exit: 0 good, 1 the run failed, 2 wrong use or unreadable input\n",
           DEFAULT_TICKS);
@@ -274,7 +275,7 @@ int cmd_run(int argc, char **argv) {
   } else if (wish == OPTIONS_GOOD && o.can == NULL &&
              (o.realtime || o.priority != PRIORITY || o.cpu != LIVE_ANY_CPU)) {
     fprintf(stderr, "fray run: --realtime, --priority and --cpu go with --can\n");
-  } else if (o.can != NULL && (o.log != NULL || o.report != NULL)) {
+  } else if (wish == OPTIONS_GOOD && o.can != NULL && (o.log != NULL || o.report != NULL)) {
     fprintf(stderr, "fray run: --can excludes --log and --report; render its recording instead\n");
   } else if (wish == OPTIONS_GOOD && o.key.file != NULL && o.can == NULL && o.log == NULL) {
     fprintf(stderr, "fray run: --key goes with --can or --log\n");

@@ -22,7 +22,7 @@ static int take_option(int argc, char **argv, int *n, const option *o) {
     *o->flag = 1;
     return 1;
   }
-  if (*n + 1 == argc) {
+  if (*n + 1 == argc || argv[*n + 1][0] == 0) {
     fprintf(stderr, "fray %s: %s, expected a value behind it\n", argv[0], o->name);
     return 0;
   }

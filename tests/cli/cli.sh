@@ -238,6 +238,7 @@ wants 2 "fray run: --key goes with --can or --log" "$FRAY" run "$image" --key "$
 wants 2 "fray render: --key goes with --log" "$FRAY" render "$image" --key "$key"
 wants 2 "fray bench: --key goes with --log" "$FRAY" bench "$image" --key "$key"
 wants 0 "$image" "$FRAY" bench "$image" --log "$keyed" --key "$key" --ticks 20
+wants 2 "--freshness, expected a value" "$FRAY" run "$image" --can can9 --key "$key" --freshness ''
 wants 2 "expected a name of at most 15 characters" "$FRAY" run "$image" --can a_name_too_long_
 wants 2 "--key go with --can" "$FRAY" hand -o "$cd_work/x.log" tests/cross/small.hand --key "$key"
 suite_end
