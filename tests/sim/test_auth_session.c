@@ -145,6 +145,28 @@ static void a_session_tears_and_verifies(void) {
   end();
 }
 
+/* What the board refuses is said in the next tick, sealed as it was: each lane still rises. */
+static void refused_frames_stay_in_order(void) {
+  fixture again;
+  fixture_file(&s.f, "tests/bus/scenes/sheet.scene", NULL);
+  fixture_file(&again, "tests/bus/scenes/sheet.scene", NULL);
+  protect(&key, GUARD_FD);
+  start(40, 0);
+  for (uint32_t n = 0; n < 40; ++n) {
+    if (n % 2 == 0) {
+      say_verb(FRAY_VERB_ZERO);
+      sim.send_fails = 1 + n / 2 % 3; /* FORCE, FORCE, ACK */
+    }
+    CHECK_EQ_INT(tick(), LOOP_TICKED);
+    CHECK_EQ_INT(s.l.unsent_count, n % 2 == 0 ? 1 + n / 2 % 3 : 0);
+    say_poses(0);
+  }
+  CHECK_EQ_INT(s.l.frames_lost, 0);
+  CHECK_EQ_INT(replays(&again).refused, 0);
+  fixture_close(&again);
+  end();
+}
+
 /* What the attacker has seen. */
 static frame captured[CAPTURED];
 static uint32_t captured_count;
@@ -460,6 +482,7 @@ int main(void) {
   cmac_key_init(&key, KEY_BYTES);
   cmac_key_init(&other_key, OTHER_BYTES);
   TEST(a_session_tears_and_verifies);
+  TEST(refused_frames_stay_in_order);
   TEST(an_attacker_in_a_live_session);
   TEST(a_flood_of_forged_frames_is_bounded);
   TEST(a_wrong_key_brings_nothing);
