@@ -24,6 +24,8 @@ typedef struct {
   timer_grid timer;
   int64_t last_sync_ns, flood_next_ns;
   uint32_t syncs, sent, refused, flooded, last_tick;
+  frame unsent_tags[FRAY_HANDS];
+  uint32_t unsent_tag_count;
 } hand_live;
 
 static volatile sig_atomic_t asked_to_stop;
@@ -40,9 +42,22 @@ static int send_frame(hand_live *l, const frame *f) {
   return good;
 }
 
+/* A TAG that is missing is a failure of its lane, so one that was refused is said once more, before
+ * the next POSE. */
+static void send_tag(hand_live *l, const frame *tag) {
+  if (!send_frame(l, tag) && l->unsent_tag_count < FRAY_HANDS)
+    l->unsent_tags[l->unsent_tag_count++] = *tag;
+}
+
+static void send_unsent_tags(hand_live *l) {
+  for (uint32_t n = 0; n < l->unsent_tag_count; ++n) (void)send_frame(l, &l->unsent_tags[n]);
+  l->unsent_tag_count = 0;
+}
+
 static void send_step(hand_live *l) {
   frame frames[DEVICE_FRAMES];
   frame tag;
+  send_unsent_tags(l);
   const uint32_t count = device_step(&l->device, frames);
   for (uint32_t n = 0; n < count; ++n) {
     if (l->key != NULL && !guard_seal(&l->key->g, &frames[n])) {
@@ -50,11 +65,11 @@ static void send_step(hand_live *l) {
       continue;
     }
     if (!send_frame(l, &frames[n])) continue;
-    if (l->key != NULL && guard_tag(&l->key->g, &frames[n], &tag)) (void)send_frame(l, &tag);
+    if (l->key != NULL && guard_tag(&l->key->g, &frames[n], &tag)) send_tag(l, &tag);
   }
 }
 
-/* What came, as the device is to see it; NULL: not at all. */
+/* What came, as the device is to see it; NULL: not at all. A host has the time for every tag. */
 static const frame *listen_to(hand_live *l, const frame *f, frame *plain) {
   if (l->key == NULL) return f;
   guard_tick(&l->key->g);
