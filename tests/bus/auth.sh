@@ -151,7 +151,7 @@ test_stranger() {
 }
 
 # ---- 14: kill -9 under a key, and on again from the kept freshness; the hand has not ended
-forces_kept() { [ "$(sed -n 's/^sent 189 //p' "$work/run.lanes")" -gt "$1" ]; }
+forces_kept() { [ -e "$work/run.lanes" ] && [ "$(sed -n 's/^sent 189 //p' "$work/run.lanes")" -gt "$1" ]; }
 test_again() {
   make_keys
   ticks_wanted=''
