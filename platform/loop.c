@@ -20,6 +20,7 @@ void loop_protect(loop *l, guard *g) { l->in.guard = g; }
 static int loop_seal(loop *l, frame *f) {
   if (!GUARD_SET(l->in.guard) || guard_seal(l->in.guard, f)) return 1;
   ++l->unsealed;
+  if (l->output.state == FRAY_OPERATIONAL) l->halt = 1; /* forces must not come back by themselves */
   return 0;
 }
 

@@ -21,7 +21,8 @@ typedef struct {
   uint32_t frames_lost;   /* outputs that never went out: the recording cannot be verified then */
   frame unsent[PORT_OUT]; /* the last tick's, refused by the board: said once more in the next one */
   uint8_t unsent_count;
-  uint8_t halt;           /* the bus was lost, or a lane of TAGs failed: the next tick goes to SAFE */
+  uint8_t halt;           /* the bus was lost, a lane of TAGs failed, or freshness is spent: the next
+                           * tick goes to SAFE */
   uint8_t command;        /* a verb of the loop's own for the next tick, or 0 */
   uint8_t command_counter;
   fray_input input;       /* of the last tick */
@@ -34,8 +35,9 @@ typedef enum { LOOP_TICKED, LOOP_BUS_LOST, LOOP_STOPPED } loop_result;
 void loop_begin(loop *l, fray_world *world, uint32_t instance);
 
 /* Under a key (rt/wire/guard.h), called after loop_begin(): what comes in goes through the guard, and
- * what is said is sealed, the loop's own COMMANDs too. When a lane of TAGs fails the loop says HALT; a
- * RESET that is obeyed lets it begin anew. The guard stays the caller's; NULL: none. */
+ * what is said is sealed, the loop's own COMMANDs too. When a lane of TAGs fails, or one of the loop's
+ * own is spent while there are forces, the loop says HALT; a RESET that is obeyed lets TAGs begin anew.
+ * The guard stays the caller's; NULL: none. */
 void loop_protect(loop *l, guard *g);
 
 /* Waits for the next tick and runs it. LOOP_BUS_LOST: no tick was computed and no force was sent;

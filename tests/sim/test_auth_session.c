@@ -371,6 +371,32 @@ static void a_spent_lane_sends_nothing(void) {
 
 /* Classic */
 
+/* A disk that hangs: what is stored is used up, and later there is more. */
+static void forces_that_could_not_be_sealed_do_not_come_back(void) {
+  session_scene(&s.f, 8, 4, "0.25");
+  protect(&key, GUARD_FD);
+  start(100, 500);
+  CHECK_EQ_INT(s.l.output.state, FRAY_OPERATIONAL);
+  const uint32_t most = runtime.out[1].most;
+  runtime.out[1].most = runtime.out[1].last;
+  for (int n = 0; n < 20; ++n) {
+    CHECK_EQ_INT(tick(), LOOP_TICKED);
+    say_poses(500);
+  }
+  CHECK_EQ_INT(s.l.unsealed, 20);
+  CHECK_EQ_INT(s.l.output.state, FRAY_SAFE);
+  CHECK_EQ_INT(sim_own(0, dictionary_id(MESSAGE_COMMAND_AUTH, 0), 0), 1); /* one HALT */
+  runtime.out[1].most = most;
+  for (int n = 0; n < 40; ++n) {
+    if (n == 20) say_verb(FRAY_VERB_START);
+    CHECK_EQ_INT(tick(), LOOP_TICKED);
+    say_poses(500);
+    CHECK(session_force_is_zero(&s.l.output));
+  }
+  CHECK_EQ_INT(s.l.unsealed, 20);
+  end();
+}
+
 static void tags_of_a_long_session(void) {
   fixture again;
   session_scene(&s.f, 8, 4, "0.25");
@@ -488,6 +514,7 @@ int main(void) {
   TEST(a_wrong_key_brings_nothing);
   TEST(the_loops_own_commands);
   TEST(a_spent_lane_sends_nothing);
+  TEST(forces_that_could_not_be_sealed_do_not_come_back);
   TEST(tags_of_a_long_session);
   TEST(a_forger_on_classic_leads_to_safe);
   TEST(no_tags_at_all);
