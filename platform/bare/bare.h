@@ -11,7 +11,9 @@
 _Noreturn void bare_start(void);
 
 /* The end of every fault: prints the machine's number of it and how far the stack was used, then
- * platform_exit(). The stack has been set to its top before: this works after an overflow too. */
+ * platform_exit(). The stack has been set to its top before: this works after an overflow too. A
+ * fault while it prints goes to platform_exit() at once, one in platform_exit() stops there; a
+ * Cortex-M locks up at either. */
 _Noreturn void bare_fault(uint32_t cause);
 enum { BARE_FAULT_STATUS = 99 };
 
@@ -20,7 +22,7 @@ uint32_t bare_stack_bytes(void);
 uint32_t bare_stack_used(void);
 
 /* The tick: a fixed grid of `rate_hz` from a clock of `clock_hz`, begun once.
- * The clock has at least 1,000 counts a tick. */
+ * The clock has 1,000 counts a tick at least and, for SysTick, 2^24 at most. */
 void tick_begin(uint32_t clock_hz, uint32_t rate_hz);
 
 /* Sleeps until the next tick of the grid, and returns at once where that is past already; returns

@@ -56,7 +56,7 @@ static void print_number(uint32_t value) {
   platform_print(text + at);
 }
 
-_Noreturn void bare_fault(uint32_t cause) {
+static void print_fault(uint32_t cause) {
   const uint32_t used = bare_stack_used();
   platform_print("fault ");
   print_number(cause);
@@ -65,5 +65,14 @@ _Noreturn void bare_fault(uint32_t cause) {
   platform_print(" of ");
   print_number(bare_stack_bytes());
   platform_print(" bytes\n");
-  platform_exit(BARE_FAULT_STATUS);
+}
+
+/* A console that faults must not keep the board from its exit, nor an exit that faults go round. */
+_Noreturn void bare_fault(uint32_t cause) {
+  static uint32_t faults;
+  const uint32_t before = faults++;
+  if (before == 0) print_fault(cause);
+  if (before <= 1) platform_exit(BARE_FAULT_STATUS);
+  for (;;) {
+  }
 }

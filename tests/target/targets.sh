@@ -167,6 +167,17 @@ check_guards() {
   done
 }
 
+# A Cortex-M locks up in a fault of its fault handler, and only a watchdog helps it.
+check_console() {
+  for machine in r5f rv32; do
+    $target needs "$machine" >/dev/null || continue
+    code=0
+    $target firmware "$machine" -O2 "$work/console.elf" tests/target/console_faults.c -Wl,--wrap=platform_print
+    said=$(TARGET_SECONDS=20 $target run "$machine" "$work/console.elf") || code=$?
+    if [ "$code $said" = "99 " ]; then pass; else fail "a console that faults on $machine: exit $code, $said"; fi
+  done
+}
+
 # MESSAGE C-TEXT: a program that must not link on the M3
 check_refused() {
   echo "$2" >"$work/refused.c"
@@ -220,6 +231,7 @@ build_all
 if [ "$mode" = test ]; then
   run_all
   check_guards
+  check_console
   if $target needs m3 >/dev/null; then
     check_budgets
     check_recording
