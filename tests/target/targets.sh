@@ -225,6 +225,16 @@ check_blank() {
   else
     fail "platform/blank does not build as platform/README.md says: $said"
   fi
+  sed 's/ORIGIN = 0x20000000, LENGTH = 16K/ORIGIN = 0x20000400, LENGTH = 15K/' platform/blank/board.ld >"$work/off.ld"
+  sed "s|-T platform/blank/board.ld|-T $work/off.ld|" "$work/blank.sh" >"$work/off.sh"
+  if said=$(OUT=$work sh -eu "$work/off.sh" 2>&1); then
+    fail "it links: RAM that begins in the middle of the guard's region"
+  else
+    case $said in
+      *"no region guards the stack"*) pass ;;
+      *) fail "expected 'no region guards the stack': $said" ;;
+    esac
+  fi
 }
 
 build_all
