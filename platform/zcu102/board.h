@@ -16,7 +16,7 @@ typedef struct {
   uint32_t stopping;      /* the next platform_wait() says so */
   uint32_t overflows;     /* times that the receive FIFO was found to have lost frames */
   uint32_t bus_offs;
-  uint32_t sends_dropped; /* the transmit FIFO was full */
+  uint32_t sends_dropped; /* the transmit FIFO was full, or the frame is CAN FD */
   uint32_t late;          /* SYNCs that were confirmed after they had been given up */
   uint32_t unexpected;    /* interrupts that nobody asked for */
   uint32_t drained_most;  /* frames that one SYNC found in the receive FIFO */

@@ -91,6 +91,7 @@ static void take_until(uint32_t level, port *p) {
 
 static int send(const frame *f, can_tx_callback_t done) {
   struct can_frame out;
+  if (f->fd != 0) return -1; /* sealed, for a board that has CAN FD */
   memset(&out, 0, sizeof out);
   out.id = f->id;
   out.dlc = can_bytes_to_dlc(f->length);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The four functions of platform/platform.h over Zephyr's CAN driver. One world on one controller,
- * run by one thread. */
+/* What the loop calls of platform/platform.h over Zephyr's CAN driver: classic CAN, so not under a
+ * key in FD form. One world on one controller, run by one thread. */
 #ifndef FRAY_ZEPHYR_BOARD_H
 #define FRAY_ZEPHYR_BOARD_H
 

@@ -42,6 +42,8 @@ int main(void) {
     if (result == LOOP_STOPPED) return 3;
     if (result == LOOP_TICKED) ++ticks; else ++lost;
   }
+  const frame sealed = {.id = 0x181, .fd = FRAME_FD, .length = 24};
+  if (platform_send(&sealed) == PLATFORM_SENT) return 5;
   board_stop();
   if (loop_run(&l) != LOOP_STOPPED) return 4;
   printf("ticks %u lost %u syncs %u poses %u forces %u overruns %u halts %d\n", ticks, lost, syncs,
