@@ -29,7 +29,7 @@ static void received(const struct device *device, struct can_frame *in, void *us
   (void)device;
   (void)user;
   const uint32_t at = filled();
-  board.ring[at % RING] = *in; /* a reader that is RING behind sees it and skips */
+  board.ring[at % RING] = *in;
   atomic_set(&board.written, (atomic_val_t)(at + 1u));
 }
 
@@ -84,8 +84,9 @@ static void hand_over(const struct can_frame *in, port *p) {
   port_push(p, &f);
 }
 
+/* After a lost bus the ring may be full, and frames still come in: the older half is left alone. */
 static void take_until(uint32_t level, port *p) {
-  if (level - board.read > RING) board.read = level - RING;
+  if (level - board.read > RING / 2) board.read = level - RING / 2;
   for (; board.read != level; ++board.read) hand_over(&board.ring[board.read % RING], p);
 }
 
