@@ -17,6 +17,13 @@ if suite_make install PREFIX=/opt/fray DESTDIR="$work/stage" BUILD="$FRAY_BUILD"
 if grep -q '^prefix=/opt/fray$' "$work/stage/opt/fray/lib/pkgconfig/fray.pc" && [ ! -e "$work/stage/lib" ]; then pass; else fail "DESTDIR is in what was installed"; fi
 suite_make install PREFIX="$work/installed" BUILD="$FRAY_BUILD" || fail "make install"
 
+# Each header by itself, with nothing of this tree to fall back on.
+for header in "$work"/installed/include/fray/rt/*.h "$work"/installed/include/fray/rt/*/*.h; do
+  if (cd "$work" && ${CC:-cc} -std=c11 -fsyntax-only -I installed/include/fray -x c "$header") 2>"$work/header.txt"; then pass; else
+    fail "$header: $(head -n 3 "$work/header.txt")"
+  fi
+done
+
 runs() { # WORDS PROGRAM
   found=$("$2") || { fail "$1: exit $?, $found"; return; }
   if [ "$found" = "$expected" ]; then pass; else fail "$1: hash $found, expected $expected"; fi
@@ -37,8 +44,10 @@ if have cmake; then
   sed 's/fray 0.1/fray 0.0/' tests/consumer/cmake/CMakeLists.txt >"$work/CMakeLists.txt"
   if cmake -S "$work" -B "$work/old" -DCMAKE_PREFIX_PATH="$work/installed" >"$work/cmake.txt" 2>&1; then
     fail "cmake: another version is taken"
-  else
+  elif grep -q 'with requested version "0.0"' "$work/cmake.txt"; then
     pass
+  else
+    fail "cmake: expected a word on the version: $(tail -n 12 "$work/cmake.txt")"
   fi
 else
   not_run "the consumer with CMake" cmake

@@ -81,6 +81,7 @@ for name in $list; do
     continue
   fi
   config_make "$name" libfray.a || { fail "$name: does not build"; continue; }
+  for tool in "$NM" "$OBJDUMP"; do have "$tool" || fail "$name: no $tool, nothing is found"; done
   library=$FRAY_BUILD/cross/$name/libfray.a
   check_undefined "$name" "$library"
   check_no_globals "$name" "$library"
