@@ -13,7 +13,7 @@
 enum { EXIT_FAULT = 99 };
 static const uint64_t paint = 0x5A5A5A5A5A5A5A5Aull; /* of start.S */
 
-extern const uint64_t stack_last[], stack_top[];
+extern const uint64_t stack_first[], stack_top[];
 
 board zcu102_board;
 
@@ -122,12 +122,12 @@ platform_result platform_send(const frame *f) {
 }
 
 uint32_t board_stack_used(void) {
-  const uint64_t *at = stack_last;
+  const uint64_t *at = stack_first;
   while ((uintptr_t)at < (uintptr_t)stack_top && *at == paint) ++at;
   return (uint32_t)((uintptr_t)stack_top - (uintptr_t)at);
 }
 uint32_t board_stack_bytes(void) {
-  return (uint32_t)((uintptr_t)stack_top - (uintptr_t)stack_last);
+  return (uint32_t)((uintptr_t)stack_top - (uintptr_t)stack_first);
 }
 
 void board_main(void) {

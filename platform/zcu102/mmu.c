@@ -16,7 +16,7 @@ enum { PAGE = 4096, BLOCK = 2 * 1024 * 1024, ENTRIES = 512 };
 #define MMU_READ_ONLY (1ull << 7)
 #define MMU_NO_CODE (1ull << 53 | 1ull << 54)
 
-extern uint8_t text_first[], text_last[], rodata_first[], rodata_last[], stack_last[], ram_last[];
+extern uint8_t text_first[], text_last[], rodata_first[], rodata_last[], stack_first[], ram_last[];
 
 static _Alignas(PAGE) uint64_t level1[4]; /* of 1 GiB */
 static _Alignas(PAGE) uint64_t level2[ENTRIES]; /* of 2 MiB, the first GiB */
@@ -30,7 +30,7 @@ static void map_pages(const uint8_t *first, const uint8_t *last, uint64_t kind) 
 static void fill_tables(void) {
   map_pages(text_first, text_last, MMU_NORMAL | MMU_READ_ONLY);
   map_pages(rodata_first, rodata_last, MMU_NORMAL | MMU_READ_ONLY | MMU_NO_CODE);
-  map_pages(stack_last, ram_last, MMU_NORMAL | MMU_NO_CODE);
+  map_pages(stack_first, ram_last, MMU_NORMAL | MMU_NO_CODE);
   level2[0] = (uintptr_t)level3 | MMU_TABLE;
   for (uint64_t n = 1; n < ENTRIES; ++n)
     level2[n] = n * BLOCK | MMU_NORMAL | MMU_NO_CODE | MMU_BLOCK;

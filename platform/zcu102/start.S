@@ -69,7 +69,7 @@ zero_bss:
   str xzr, [x0], #8
   b zero_bss
 zeroed_bss:
-  ldr x0, =stack_last       /* painted, so that board_stack_used() sees how deep it went */
+  ldr x0, =stack_first       /* painted, so that board_stack_used() sees how deep it went */
   ldr x1, =0x5A5A5A5A5A5A5A5A
   mov x2, sp
 paint_stack:

@@ -20,7 +20,7 @@ fi
 
 target_flags="-std=c11 -O2 -g -I. -Wall -Wextra -Wconversion -Wshadow -Wundef -Werror -ffreestanding
   -mcpu=cortex-a53 -mgeneral-regs-only -mstrict-align -fno-pic -fno-pie -fno-stack-protector
-  -fno-asynchronous-unwind-tables -fno-tree-loop-distribute-patterns -ffunction-sections -fdata-sections"
+  -fno-asynchronous-unwind-tables -ffunction-sections -fdata-sections"
 
 build() {
   suite_make BUILD="$FRAY_BUILD" "$FRAY_BUILD/tests/cross/emit" "$FRAY_BUILD/tests/cli/alter"
@@ -41,7 +41,7 @@ link() { # OUT FILE...: with everything that does not depend on the bus
   shift
   # shellcheck disable=SC2046,SC2086
   aarch64-linux-gnu-gcc $target_flags -nostdlib -static -no-pie -Wl,--gc-sections -Wl,--build-id=none \
-    -Wl,-Map="$out.map" -T linker/zcu102.ld rt/*/*.c platform/loop.c platform/zcu102/start.S \
+    -Wl,-Map="$out.map" -T linker/zcu102.ld rt/*/*.c platform/loop.c platform/bare/memory.c platform/zcu102/start.S \
     $(common) "$work/cases.c" "$@" -lgcc -o "$out"
 }
 
