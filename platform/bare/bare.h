@@ -17,6 +17,9 @@ _Noreturn void bare_start(void);
 _Noreturn void bare_fault(uint32_t cause);
 enum { BARE_FAULT_STATUS = 99 };
 
+/* In decimal, by platform_print(). */
+void bare_print_number(uint32_t value);
+
 /* Bytes of the stack: all of it, and the deepest that was ever used. */
 uint32_t bare_stack_bytes(void);
 uint32_t bare_stack_used(void);

@@ -45,7 +45,7 @@ uint32_t bare_stack_used(void) {
   return (uint32_t)((uintptr_t)stack_top - (uintptr_t)word);
 }
 
-static void print_number(uint32_t value) {
+void bare_print_number(uint32_t value) {
   char text[11];
   uint32_t at = 10;
   text[at] = 0;
@@ -59,11 +59,11 @@ static void print_number(uint32_t value) {
 static void print_fault(uint32_t cause) {
   const uint32_t used = bare_stack_used();
   platform_print("fault ");
-  print_number(cause);
+  bare_print_number(cause);
   platform_print(", stack ");
-  print_number(used);
+  bare_print_number(used);
   platform_print(" of ");
-  print_number(bare_stack_bytes());
+  bare_print_number(bare_stack_bytes());
   platform_print(" bytes\n");
 }
 

@@ -105,15 +105,8 @@ platform_result platform_send(const frame *f) {
 }
 
 static void print_number(const char *label, uint32_t v) {
-  char text[11];
-  uint32_t at = 10;
-  text[at] = 0;
-  do {
-    text[--at] = (char)('0' + v % 10u);
-    v /= 10u;
-  } while (v != 0);
   platform_print(label);
-  platform_print(text + at);
+  bare_print_number(v);
 }
 
 static fray_world *open_world(const uint8_t *image, size_t bytes, uint32_t at) {

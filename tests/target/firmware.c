@@ -22,15 +22,8 @@ _Alignas(FRAY_ALIGN) static uint8_t memory[FIRMWARE_WORLD];
 static loop the_loop;
 
 static void print_number(const char *name, uint32_t value) {
-  char text[11];
-  uint32_t at = 10;
-  text[at] = 0;
-  do {
-    text[--at] = (char)('0' + value % 10u);
-    value /= 10u;
-  } while (value != 0);
   platform_print(name);
-  platform_print(text + at);
+  bare_print_number(value);
 }
 
 /* A copy of the header where no constant can be used in place tells what copying would take. */
