@@ -44,7 +44,7 @@ function rounds(what) {
   if (what == "zeroed_words") return (output_bytes + motion_bytes * bodies) / 4 + 64
   if (what == "rise_steps") return most["cuts"] * depth
   if (what == "sink_steps") return most["tear_tests"] * depth
-  print "table.awk: no count " what >"/dev/stderr"
+  print "bound.awk: no count " what >"/dev/stderr"
   exit 2
 }
 function times(stage) { return stage ~ /^(predict|strain|collide|finish)_run$/ ? substeps : 1 }

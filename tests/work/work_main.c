@@ -2,7 +2,7 @@
 /* What `make work` counts on a small target: every tick of every case, then storms (states made to
  * cost as much as one tick can), then stages alone. One line for each piece between two marks:
  *
- *   limits CASE ...             what bounds the loops of a tick; see table.awk
+ *   limits CASE ...             what bounds the loops of a tick; see bound.awk
  *   tick CASE N torn predictions projections springs contacts gathers tear_tests over cuts
  *   storm CASE N torn ...       the same
  *   bend CASE rows, shear CASE rows
