@@ -42,6 +42,7 @@ reset:
   dsb
   mcr p15, 0, r0, c1, c0, 0
   isb
+  cpsie a                          /* a write that the bus refuses later is a fault too */
   bl bare_start
 
 fault_undefined:

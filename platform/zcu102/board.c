@@ -133,14 +133,13 @@ uint32_t board_stack_bytes(void) {
 void board_main(void) {
   mmu_begin();
   console_begin();
+  cpu_allow_aborts();
   gic_begin();
   cpu_allow_interrupts();
   platform_exit(main());
 }
 
-void board_fault(uint64_t kind, uint64_t syndrome, uint64_t at, uint64_t address) {
-  static uint32_t faults;
-  while (faults++ != 0) cpu_sleep(); /* nobody took the exit: its instruction faults too */
+static void print_fault(uint64_t kind, uint64_t syndrome, uint64_t at, uint64_t address) {
   platform_print("fault ");
   console_number(kind, 1);
   platform_print(" esr ");
@@ -150,5 +149,13 @@ void board_fault(uint64_t kind, uint64_t syndrome, uint64_t at, uint64_t address
   platform_print(" address ");
   console_hex(address, 16);
   platform_print("\n");
-  platform_exit(EXIT_FAULT);
+}
+
+/* As bare_fault(): neither a console nor an exit that faults goes round for ever. */
+void board_fault(uint64_t kind, uint64_t syndrome, uint64_t at, uint64_t address) {
+  static uint32_t faults;
+  const uint32_t before = faults++;
+  if (before == 0) print_fault(kind, syndrome, at, address);
+  if (before <= 1) platform_exit(EXIT_FAULT);
+  for (;;) cpu_sleep();
 }

@@ -20,6 +20,8 @@ static inline void cpu_mask_interrupts(void) {
 static inline void cpu_allow_interrupts(void) {
   __asm__ volatile("msr daifclr, #2\n isb" ::: "memory");
 }
+/* A write that the bus refuses later is a fault too; masked, as after the reset, nobody hears of it. */
+static inline void cpu_allow_aborts(void) { __asm__ volatile("msr daifclr, #4" ::: "memory"); }
 
 /* Returns when an interrupt is pending, masked or not. */
 static inline void cpu_sleep(void) { __asm__ volatile("dsb sy\n wfi" ::: "memory"); }
