@@ -41,7 +41,7 @@ if have cmake; then
       fail "cmake: $(tail -n 12 "$work/cmake.txt")"
     fi
   done
-  sed 's/fray 0.1/fray 0.0/' tests/consumer/cmake/CMakeLists.txt >"$work/CMakeLists.txt"
+  sed 's/fray [0-9.]*/fray 0.0/' tests/consumer/cmake/CMakeLists.txt >"$work/CMakeLists.txt"
   if cmake -S "$work" -B "$work/old" -DCMAKE_PREFIX_PATH="$work/installed" >"$work/cmake.txt" 2>&1; then
     fail "cmake: another version is taken"
   elif grep -q 'with requested version "0.0"' "$work/cmake.txt"; then
