@@ -47,7 +47,16 @@ static void guard_stack(void) {
 #endif
 }
 
+/* A bootloader may have left its own vectors behind; v6-M has them at 0. */
+static void take_vectors(void) {
+#if !defined(__ARM_ARCH_6M__)
+  *(volatile uint32_t *)0xE000ED08u = (uint32_t)(uintptr_t)&vectors; /* VTOR */
+  __asm__ volatile("dsb" : : : "memory");
+#endif
+}
+
 _Noreturn void reset_handler(void) {
+  take_vectors();
   guard_stack();
 #if defined(__ARM_FP) || defined(__ARM_FEATURE_MVE)
   *(volatile uint32_t *)0xE000ED88u |= 0xFu << 20; /* CPACR: the compiler may move words there */
