@@ -5,15 +5,17 @@
 
 #include "tests/cross/cases.h"
 
-enum { LINE = 80 };
+#ifndef LINE_BYTES
+#define LINE_BYTES 80
+#endif
 
 typedef struct {
-  char text[LINE];
+  char text[LINE_BYTES];
   uint32_t length;
 } line;
 
 static inline void add_text(line *l, const char *text) {
-  while (*text != 0 && l->length < LINE - 2u) l->text[l->length++] = *text++;
+  while (*text != 0 && l->length < LINE_BYTES - 2u) l->text[l->length++] = *text++;
 }
 static inline void add_hex(line *l, uint64_t v, uint32_t digits) {
   char text[17];

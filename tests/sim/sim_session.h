@@ -75,4 +75,14 @@ FIXTURE void session_start(session *s, uint32_t ticks, int16_t apart) {
   }
 }
 
+/* A copy of a small session with both hands under force. */
+FIXTURE void session_under_force(fixture *saved) {
+  fixture f;
+  session_scene(&f, 4, 1, "0.25");
+  const fray_output o = fixture_start_hands(&f, 150);
+  CHECK_EQ_INT(o.state, FRAY_OPERATIONAL);
+  fixture_copy(saved, &f);
+  fixture_close(&f);
+}
+
 #endif

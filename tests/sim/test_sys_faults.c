@@ -376,13 +376,8 @@ static void bus_off_ends_by_an_echo(void) {
 }
 
 static void prepare(void) {
-  fixture f;
-  session_scene(&f, 4, 1, "0.25");
-  const fray_output o = fixture_start_hands(&f, 150);
-  CHECK_EQ_INT(o.state, FRAY_OPERATIONAL);
-  fixture_copy(&saved, &f);
+  session_under_force(&saved);
   memory = saved.memory;
-  fixture_close(&f);
 }
 
 int main(void) {

@@ -47,7 +47,7 @@ static inline void limits_print(const char *name, const fray_world *w) {
                             limits_held_rows(w, p->link_batches, batches), paths,
                             p->tear_mirrored != 0, p->hands != 0};
   for (uint32_t m = 0; m < sizeof words / sizeof words[0]; ++m) line_number(&l, words[m]);
-  line_end(&l);
+  print_line(&l);
 }
 
 #endif

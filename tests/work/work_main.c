@@ -30,7 +30,7 @@ static void print_work(const char *what, const cross_case *c, uint32_t n, uint32
   const uint32_t words[] = {n, torn, k->predictions, k->projections, k->springs, k->contacts,
                             k->gathers, k->tear_tests, k->over, k->cuts};
   for (uint32_t m = 0; m < sizeof words / sizeof words[0]; ++m) line_number(&l, words[m]);
-  line_end(&l);
+  print_line(&l);
 }
 
 static int within(const fray_work *k, const fray_work *most) {
@@ -136,7 +136,7 @@ static void springs_alone(const cross_case *c) {
     work_mark();
     line l = line_begin(family == 0 ? "bend" : "shear", c->name);
     line_number(&l, w->work.springs);
-    line_end(&l);
+    print_line(&l);
   }
 }
 
