@@ -65,6 +65,18 @@ fray_status fray_bytes(const void *image, size_t image_bytes, size_t *bytes, fra
 fray_status fray_open(const void *image, size_t image_bytes, void *memory, size_t memory_bytes,
                       fray_world **world, fray_error *error);
 
+/* The code that runs the hot loops: the same bits, other speeds. A world begins with SCALAR. */
+typedef enum {
+  FRAY_KERNEL_SCALAR = 0,
+  FRAY_KERNEL_AVX2 = 1,
+  FRAY_KERNEL_AVX512 = 2, /* F, BW, DQ, VL */
+  FRAY_KERNEL_NEON = 3,
+  FRAY_KERNEL_HELIUM = 4
+} fray_kernel;
+/* Returns 1, or 0 where this build lacks the kernel (the world keeps the one that it has). That the
+ * machine has its instructions is for the caller to know; platform/linux/cpu.h asks. */
+int fray_use(fray_world *world, fray_kernel kernel);
+
 /* What the world was told for one tick: at most one pose a hand and one command.
  * Poses are 2 um a step from the device's origin; `counter` is the frame's 4-bit counter. */
 typedef struct {

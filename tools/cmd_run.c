@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tools/kernel.h"
 #include "tools/live.h"
 #include "tools/options.h"
 #include "tools/pieces.h"
@@ -23,6 +24,7 @@ typedef struct {
   const char *file, *log, *record, *report, *save, *can;
   uint32_t ticks, instance, priority, cpu;
   int realtime;
+  const char *kernel;
   bus_key_options key;
 } run_options;
 
@@ -49,6 +51,8 @@ static void print_usage(FILE *out) {
           "  --record FILE    writes the bus as a candump log that `fray verify` accepts\n"
           "  --report DIR     pictures, plots of forces and work, summary.txt\n"
           "  --save FILE      writes the last state as an image\n"
+          "  --kernel NAME    scalar, avx2, avx512, neon: the same hashes, other speeds (default:\n"
+          "                   the fastest that this machine has)\n"
           "  --instance N     which runtime on the bus, 0 to 7 (default 0)\n"
           "  --can IFACE      runs on a SocketCAN interface until --ticks or SIGINT;\n"
           "                   --record then logs everything that passes on the bus\n"
@@ -235,6 +239,10 @@ static int finish(run_job *j) {
 static int run_all(run_job *j) {
   const int code = session_open(&j->s, j->o->file, j->o->log, j->o->key.file, j->o->instance);
   if (code != 0) return code;
+  if (!kernel_use(j->s.opened.world, j->o->kernel)) {
+    session_close(&j->s);
+    return 2;
+  }
   int result;
   if (j->o->can != NULL)
     result = run_live(j);
@@ -262,6 +270,7 @@ int cmd_run(int argc, char **argv) {
       {"--save", &o.save, NULL, NULL, 0, 0},     {"--instance", NULL, &o.instance, NULL, 0, 7},
       {"--can", &o.can, NULL, NULL, 0, 0},       {"--realtime", NULL, NULL, &o.realtime, 0, 0},
       {"--priority", NULL, &o.priority, NULL, 1, 99},
+      {"--kernel", &o.kernel, NULL, NULL, 0, 0},
       {"--cpu", NULL, &o.cpu, NULL, 0, 1023},
       {"--key", &o.key.file, NULL, NULL, 0, 0},
       {"--classic-tags", NULL, NULL, &o.key.classic_tags, 0, 0},

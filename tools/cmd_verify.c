@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "rt/wire/dictionary.h"
+#include "tools/kernel.h"
 #include "tools/open.h"
 #include "tools/options.h"
 #include "tools/replay.h"
@@ -21,6 +22,7 @@ typedef struct {
   const char *key_file;
   uint32_t instance;
   int cut;
+  const char *kernel;
 } options;
 
 /* One run against its recording. */
@@ -34,6 +36,7 @@ typedef struct {
 
 static void print_usage(FILE *out) {
   fputs("usage: fray verify RUN.log --scene X.scene|X.img [--instance N] [--cut] [--key FILE]\n"
+        "                   [--kernel NAME]\n"
         "\n"
         "Replays a recording (candump -L of the bus, with its SYNCs) and compares every tick:\n"
         "the hash in SYNC, and the FORCE, ACK and TEAR frames. Prints the first tick that\n"
@@ -197,8 +200,10 @@ int cmd_verify(int argc, char **argv) {
   const option table[] = {{"--scene", &o.scene_file, NULL, NULL, 0, 0},
                           {"--instance", NULL, &o.instance, NULL, 0, 7},
                           {"--key", &o.key_file, NULL, NULL, 0, 0},
-                          {"--cut", NULL, NULL, &o.cut, 0, 0}};
-  const options_result wish = options_parse(argc, argv, table, 4, &o.log_file);
+                          {"--cut", NULL, NULL, &o.cut, 0, 0},
+                          {"--kernel", &o.kernel, NULL, NULL, 0, 0}};
+  const options_result wish =
+      options_parse(argc, argv, table, sizeof table / sizeof *table, &o.log_file);
   if (wish == OPTIONS_HELP) {
     print_usage(stdout);
     return EXIT_SAME;
@@ -212,7 +217,7 @@ int cmd_verify(int argc, char **argv) {
   }
   int code = world_open_file(o.scene_file, &opened, stderr);
   if (code == 0) {
-    code = verify_world(&o, &log, &opened);
+    code = kernel_use(opened.world, o.kernel) ? verify_world(&o, &log, &opened) : EXIT_USAGE;
     world_close(&opened);
   }
   candump_free(&log);

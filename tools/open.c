@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "platform/linux/cpu.h"
 #include "tools/progress.h"
 
 enum { OPEN_FAILED = 2 };
@@ -116,7 +117,9 @@ int world_open_image(const char *path, struct opened *o, FILE *err) {
     return OPEN_FAILED;
   }
   status = fray_open(o->image, o->image_bytes, o->memory, o->memory_bytes, &o->world, &error);
-  return status == FRAY_OK ? 0 : fail_image(path, status, &error, err);
+  if (status != FRAY_OK) return fail_image(path, status, &error, err);
+  cpu_use_best(o->world);
+  return 0;
 }
 
 int world_open_file(const char *path, struct opened *out, FILE *err) {

@@ -157,6 +157,9 @@ static inline int32_t fx_mul_q15(int32_t a, int32_t b) {
   return fx_asr(fx_add(fx_mul(a, b), 1 << 14), 15);
 }
 
+/* Of velocities, Q28 lu per substep: 4 lu in a substep. */
+enum { FX_SPEED_MAX = 1 << 30 };
+
 static inline int32_t fx_min(int32_t a, int32_t b) { return a < b ? a : b; }
 static inline int32_t fx_max(int32_t a, int32_t b) { return a > b ? a : b; }
 static inline int32_t fx_clamp(int32_t v, int32_t low, int32_t high) {

@@ -42,13 +42,42 @@ static inline link_class link_class_make(int32_t rest, int32_t push) {
 }
 
 /* A class of bend or shear springs: dv = gain * elongation, along the spring, for one tick, in
- * (lu per substep) per lu; gain = mantissa * 2^-shift, below 1/2. */
+ * (lu per substep) per lu; gain = mantissa * 2^-shift, below 1/2. Directions are taken in units of
+ * 2^down position steps, of which the rest length R is SPRING_UNITS_MIN..MAX. */
+enum { SPRING_UNITS_MIN = 4096, SPRING_UNITS_MAX = 8191 };
+enum { SPRING_REST_MIN = 1 << 13, SPRING_REST_MAX = 1 << 22 };
 typedef struct {
   int32_t rest;     /* Q24 lu */
   int32_t mantissa; /* 0, or 2^15..2^16-1 */
   int32_t shift;    /* 17..46 */
   int32_t compression_only;
+  int32_t down;     /* 1..10 */
+  int32_t r2;       /* R^2 */
+  int32_t idle;     /* |d|^2 from which on it does nothing: below R^2 by what rounding may take */
+  int32_t inverse;  /* 2^39 / R^2 */
+  int32_t pull;     /* the mantissa in 14 bits */
+  int32_t scale;    /* 1..30: dv is a rounded product with the pull, shifted by it */
 } spring_class;
+
+/* What follows from the first four. */
+static inline spring_class spring_class_make(int32_t rest, int32_t mantissa, int32_t shift,
+                                             int32_t compression_only) {
+  int32_t down = 1;
+  while (fx_round(rest, (unsigned)down) > SPRING_UNITS_MAX) ++down;
+  const int32_t r = fx_round(rest, (unsigned)down);
+  const int32_t scale = shift - down - 6;
+  const spring_class c = {rest,
+                          scale > 30 ? 0 : mantissa,
+                          shift,
+                          compression_only,
+                          down,
+                          r * r,
+                          compression_only != 0 ? r * r - 3 * r : INT32_MAX,
+                          (int32_t)(((int64_t)1 << 39) / ((int64_t)r * r)),
+                          scale > 30 ? 0 : fx_asr(mantissa, 2),
+                          scale > 30 ? 30 : scale};
+  return c;
+}
 
 /* What is free to move in the rows of a batch. Rows between two held particles are projected by
  * nobody, but they can tear. */

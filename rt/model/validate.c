@@ -22,7 +22,7 @@ static const word_range state_ranges[STATE_WORDS] = {
 /* Section ids, as in image_arrays. */
 enum {
   IN_PARAMS = 1, IN_STATE, IN_LINKS, IN_SPRINGS, IN_BATCHES, IN_CROSSING, IN_HOME, IN_ROW_OF,
-  IN_ROW_I, IN_ROW_J, IN_CLASS, IN_X, IN_Y, IN_Z, IN_RX = 18, IN_GRIP_BODY = 21, IN_GRIP_X,
+  IN_ROW_I, IN_ROW_J, IN_CLASS, IN_X, IN_Y, IN_Z, IN_VX, IN_RX = 18, IN_GRIP_BODY = 21, IN_GRIP_X,
   IN_BODIES = 25, IN_BODY_STATES, IN_KEYS
 };
 
@@ -84,9 +84,15 @@ static int spring_classes_good(const fray_world *w, fray_error *error) {
   for (uint32_t n = 1; n < w->capacity[POOL_SPRING_CLASSES]; ++n) {
     const spring_class *c = &w->springs[n];
     const int gain_good = c->mantissa == 0 || (c->mantissa >= 1 << 15 && c->mantissa < 1 << 16);
-    if (c->rest < 1 || c->rest > 2 * FX_LU || !gain_good || c->shift < 17 || c->shift > 46 ||
+    if (c->rest < SPRING_REST_MIN || c->rest > SPRING_REST_MAX || !gain_good || c->shift < 17 || c->shift > 46 ||
         (c->compression_only | 1) != 1)
-      return bad(error, IN_SPRINGS, n, "a rest length to 2 lu, a gain below 1/2, a flag of 0 or 1");
+      return bad(error, IN_SPRINGS, n,
+                 "a rest length of 2^-11 to 1/4 lu, a gain below 1/2, a flag of 0 or 1");
+    const spring_class expected =
+        spring_class_make(c->rest, c->mantissa, c->shift, c->compression_only);
+    if (c->mantissa != expected.mantissa || c->down != expected.down || c->r2 != expected.r2 ||
+        c->idle != expected.idle || c->inverse != expected.inverse || c->pull != expected.pull || c->scale != expected.scale)
+      return bad(error, IN_SPRINGS, n, "constants that follow from the rest length and the gain");
   }
   return 1;
 }
@@ -173,6 +179,10 @@ static int particles_good(const fray_world *w, fray_error *error) {
     for (uint32_t n = 0; n < 3; ++n)
       if (at[n] < -FX_WORLD_MAX - 2 * FX_LU || at[n] > FX_WORLD_MAX + 2 * FX_LU)
         return bad(error, IN_X + n, p, "a position within 62 lu");
+    const int32_t speed[3] = {w->vx[p], w->vy[p], w->vz[p]};
+    for (uint32_t n = 0; n < 3; ++n)
+      if (speed[n] < -FX_SPEED_MAX || speed[n] > FX_SPEED_MAX)
+        return bad(error, IN_VX + n, p, "a velocity within 4 lu per substep");
     if (w->rx[p] < -8 || w->rx[p] > 8 || w->ry[p] < -8 || w->ry[p] > 8 || w->rz[p] < -8 ||
         w->rz[p] > 8)
       return bad(error, IN_RX, p, "a remainder of -8 to 8");

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "rt/model/world.h"
 
-#include "rt/base/hash.h"
 #include "rt/base/random.h"
+#include "rt/wide/wide.h"
 
 enum { TOPOLOGY_FIELD = 1 };
 
@@ -32,6 +32,16 @@ static void hash_state(hash *h, const state *s) {
   hash_words(h, words + HASH_LANES, STATE_WORDS - HASH_LANES);
 }
 
+static void take_words(const fray_world *w, hash *h, const int32_t *words, uint32_t count) {
+  const uint32_t taken = wide_hash_words(w->kernel, h, words, count);
+  hash_words(h, words + taken, count - taken);
+}
+
+static void take_bytes(const fray_world *w, hash *h, const int8_t *bytes, uint32_t count) {
+  const uint32_t taken = wide_hash_bytes(w->kernel, h, bytes, count);
+  hash_bytes(h, bytes + taken, count - taken);
+}
+
 uint64_t world_hash(const fray_world *w) {
   const uint32_t particles = (uint32_t)w->params->particles;
   const int32_t *const words[6] = {w->x, w->y, w->z, w->vx, w->vy, w->vz};
@@ -39,8 +49,8 @@ uint64_t world_hash(const fray_world *w) {
   hash h;
   hash_begin(&h);
   hash_state(&h, w->state);
-  for (uint32_t n = 0; n < 6; ++n) hash_words(&h, words[n], particles);
-  for (uint32_t n = 0; n < 3; ++n) hash_bytes(&h, remainders[n], particles);
+  for (uint32_t n = 0; n < 6; ++n) take_words(w, &h, words[n], particles);
+  for (uint32_t n = 0; n < 3; ++n) take_bytes(w, &h, remainders[n], particles);
   hash_words(&h, (const int32_t *)(const void *)w->body_states,
              w->capacity[POOL_BODIES] * BODY_STATE_WORDS);
   return hash_end(&h);

@@ -38,6 +38,7 @@ typedef struct {
 
 struct fray_world {
   uint32_t capacity[POOLS];
+  fray_kernel kernel;
 
   /* constants */
   const params *params;

@@ -7,18 +7,7 @@
  * which leaves the sheet's fall and turning alone. All particles weigh the same, so sums need no
  * weights. Pieces that have torn off count as one sheet with the rest. */
 #include "rt/stage/stage.h"
-
-typedef struct {
-  vec3 centre;    /* Q24 lu */
-  vec3 velocity;  /* Q28 lu per substep */
-  int64_t turn[3]; /* omega, Q28 radians per substep */
-} rigid_motion;
-
-static int32_t mean(const int32_t *v, uint32_t first, uint32_t end) {
-  int64_t sum = 0;
-  for (uint32_t p = first; p < end; ++p) sum += v[p];
-  return (int32_t)(sum / (int64_t)(end - first));
-}
+#include "rt/wide/wide.h"
 
 /* Shifts all of `v` right until the largest has at most `bits` bits; returns the shift. */
 static unsigned normalise(int64_t *v, uint32_t count, unsigned bits) {
@@ -56,68 +45,22 @@ static void solve_turn(int64_t i[6], int64_t l[3], int64_t turn[3]) {
   }
 }
 
-static rigid_motion find_motion(const fray_world *w, uint32_t first, uint32_t end) {
-  rigid_motion m;
-  int64_t inertia[6] = {0, 0, 0, 0, 0, 0};
-  int64_t momentum[3] = {0, 0, 0};
-  m.centre = vec_make(mean(w->x, first, end), mean(w->y, first, end), mean(w->z, first, end));
-  m.velocity = vec_make(mean(w->vx, first, end), mean(w->vy, first, end), mean(w->vz, first, end));
-  for (uint32_t p = first; p < end; ++p) {
-    const int64_t x = fx_round64((int64_t)w->x[p] - m.centre.x, 11); /* Q13 */
-    const int64_t y = fx_round64((int64_t)w->y[p] - m.centre.y, 11);
-    const int64_t z = fx_round64((int64_t)w->z[p] - m.centre.z, 11);
-    const int64_t u = fx_round64((int64_t)w->vx[p] - m.velocity.x, 12); /* Q16 */
-    const int64_t v = fx_round64((int64_t)w->vy[p] - m.velocity.y, 12);
-    const int64_t t = fx_round64((int64_t)w->vz[p] - m.velocity.z, 12);
-    inertia[0] += y * y + z * z;
-    inertia[1] += x * x + z * z;
-    inertia[2] += x * x + y * y;
-    inertia[3] -= x * y;
-    inertia[4] -= x * z;
-    inertia[5] -= y * z;
-    momentum[0] += y * t - z * v;
-    momentum[1] += z * u - x * t;
-    momentum[2] += x * v - y * u;
-  }
-  solve_turn(inertia, momentum, m.turn);
-  return m;
-}
-
-static int32_t approach(int32_t v, int64_t rigid, int32_t share) {
-  const int32_t away = fx_saturate(rigid - v);
-  return fx_saturate(v + fx_round64(fx_mul_wide(away, share), 24));
-}
-
 __attribute__((noinline)) static void damp_relative(fray_world *w, uint32_t first, uint32_t end) {
-  const rigid_motion m = find_motion(w, first, end);
-  const int32_t share = w->params->relative_damping;
-  for (uint32_t p = first; p < end; ++p) {
-    const int64_t x = (int64_t)w->x[p] - m.centre.x;
-    const int64_t y = (int64_t)w->y[p] - m.centre.y;
-    const int64_t z = (int64_t)w->z[p] - m.centre.z;
-    /* products below 2^31 * 2^31 each; Q52 to Q28 */
-    const int64_t turn_x = fx_round64(fx_mul64(m.turn[1], z) - fx_mul64(m.turn[2], y), 24);
-    const int64_t turn_y = fx_round64(fx_mul64(m.turn[2], x) - fx_mul64(m.turn[0], z), 24);
-    const int64_t turn_z = fx_round64(fx_mul64(m.turn[0], y) - fx_mul64(m.turn[1], x), 24);
-    w->vx[p] = approach(w->vx[p], m.velocity.x + turn_x, share);
-    w->vy[p] = approach(w->vy[p], m.velocity.y + turn_y, share);
-    w->vz[p] = approach(w->vz[p], m.velocity.z + turn_z, share);
-  }
-}
-
-static void drag_axis(int32_t *v, uint32_t first, uint32_t end, int32_t share) {
-  for (uint32_t p = first; p < end; ++p)
-    v[p] -= (int32_t)fx_round64(fx_mul_wide(v[p], share), 24);
+  sweep_motion m;
+  wide_turning(w->kernel, &m, w->x, w->y, w->z, w->vx, w->vy, w->vz, first, end);
+  solve_turn(m.inertia, m.momentum, m.turn);
+  wide_follow(w->kernel, &m, w->params->relative_damping, w->x, w->y, w->z, w->vx, w->vy, w->vz,
+              first, end);
 }
 
 void damp_run(fray_world *w) {
   const uint32_t first = (uint32_t)w->params->held;
   const uint32_t end = (uint32_t)w->params->particles;
+  const int32_t drag = w->params->drag;
   if (first == end) return;
   if (w->params->relative_damping != 0) damp_relative(w, first, end);
-  if (w->params->drag != 0) {
-    drag_axis(w->vx, first, end, w->params->drag);
-    drag_axis(w->vy, first, end, w->params->drag);
-    drag_axis(w->vz, first, end, w->params->drag);
-  }
+  if (drag == 0) return;
+  wide_drag(w->kernel, w->vx, first, end, drag);
+  wide_drag(w->kernel, w->vy, first, end, drag);
+  wide_drag(w->kernel, w->vz, first, end, drag);
 }

@@ -3,15 +3,10 @@
  * manipulated where particles touch bodies (Metaaphanon 2009, section 4, step 8, after Mueller
  * et al. 2007: a touching particle keeps no velocity away from the body that the push gave it). */
 #include "rt/stage/stage.h"
+#include "rt/wide/wide.h"
 
-enum { MOVED_MAX = (1 << (31 - FX_SUB_BITS)) - 1 };
-
-/* v += (p - q) * 16, never re-derived from positions: what is below a position step is kept. */
-static void take_over(const int32_t *restrict x, const int32_t *restrict q, int32_t *restrict v,
-                      uint32_t first, uint32_t end) {
-  for (uint32_t p = first; p < end; ++p)
-    v[p] = fx_add_saturated(
-        v[p], fx_clamp_rare(fx_sub(x[p], q[p]), -MOVED_MAX, MOVED_MAX) * (1 << FX_SUB_BITS));
+static int32_t slowed(int32_t v, int32_t lost) {
+  return (int32_t)fx_clamp64((int64_t)v - lost, -FX_SPEED_MAX, FX_SPEED_MAX);
 }
 
 static void settle_contact(fray_world *w, const contact *c) {
@@ -23,9 +18,9 @@ static void settle_contact(fray_world *w, const contact *c) {
   const int32_t speed = vec_dot_unit(away, c->normal);
   if (speed <= 0) return;
   const vec3 lost = vec_scale_unit(c->normal, speed);
-  w->vx[p] = fx_saturate((int64_t)w->vx[p] - lost.x);
-  w->vy[p] = fx_saturate((int64_t)w->vy[p] - lost.y);
-  w->vz[p] = fx_saturate((int64_t)w->vz[p] - lost.z);
+  w->vx[p] = slowed(w->vx[p], lost.x);
+  w->vy[p] = slowed(w->vy[p], lost.y);
+  w->vz[p] = slowed(w->vz[p], lost.z);
   body_gave(&w->motion[c->body], -(int64_t)lost.x, -(int64_t)lost.y, -(int64_t)lost.z);
 }
 
@@ -47,9 +42,9 @@ static void push_body(fray_world *w, uint32_t b) {
 void finish_run(fray_world *w) {
   const uint32_t first = (uint32_t)w->params->held;
   const uint32_t end = (uint32_t)w->params->particles;
-  take_over(w->x, w->qx, w->vx, first, end);
-  take_over(w->y, w->qy, w->vy, first, end);
-  take_over(w->z, w->qz, w->vz, first, end);
+  wide_take_over(w->kernel, w->x, w->qx, w->vx, first, end);
+  wide_take_over(w->kernel, w->y, w->qy, w->vy, first, end);
+  wide_take_over(w->kernel, w->z, w->qz, w->vz, first, end);
   for (uint32_t n = 0; n < w->contact_count; ++n)
     if (w->contacts[n].touching != 0) settle_contact(w, &w->contacts[n]);
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)

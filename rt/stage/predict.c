@@ -2,34 +2,13 @@
 /* Velocities gain gravity, positions gain velocities (Metaaphanon 2009, section 4, steps 1, 2
  * and 4: explicit Euler); bodies move on and carry the particles that they hold. */
 #include "rt/stage/stage.h"
-
-enum { SPEED_MAX = INT32_MAX - (1 << 25) };
+#include "rt/wide/wide.h"
 
 /* Gravity per substep is not a whole number of velocity steps; the fraction accumulates. */
 static int32_t gravity_step(int32_t whole, int32_t rest, int32_t *phase) {
   const uint64_t sum = (uint64_t)(uint32_t)*phase + (uint32_t)rest;
   *phase = (int32_t)(uint32_t)(sum & 0xFFFFFFFFu);
   return whole + (int32_t)(sum >> 32);
-}
-
-/* One axis of all free particles. The step in Q28 is rounded to Q24 and what the rounding left
- * over joins the next step, so slow motion neither sticks nor drifts. */
-static uint32_t advance(int32_t *restrict x, int32_t *restrict q, int32_t *restrict v,
-                        int8_t *restrict r, uint32_t first, uint32_t end, int32_t gravity) {
-  uint32_t at_edge = 0;
-  for (uint32_t p = first; p < end; ++p) {
-    const int32_t speed = fx_clamp_rare(v[p], -SPEED_MAX, SPEED_MAX) + gravity;
-    const int32_t step = speed + r[p];
-    const int32_t whole = fx_round(step, FX_SUB_BITS);
-    const int32_t moved = fx_add(x[p], whole);
-    const int32_t place = fx_clamp_rare(moved, -FX_WORLD_MAX, FX_WORLD_MAX);
-    at_edge |= (uint32_t)(moved ^ place);
-    v[p] = speed;
-    r[p] = (int8_t)(step - whole * (1 << FX_SUB_BITS));
-    x[p] = place;
-    q[p] = place;
-  }
-  return at_edge;
 }
 
 /* from + (to - from) * done / all, without a wide division. */
@@ -60,7 +39,7 @@ static void fly_body(fray_world *w, uint32_t b) {
     int8_t remainder = (int8_t)s->remainder[n];
     int32_t unused;
     const int32_t before = s->position[n];
-    if (advance(&s->position[n], &unused, &s->velocity[n], &remainder, 0, 1, gravity[n]) != 0) {
+    if (sweep_advance(&s->position[n], &unused, &s->velocity[n], &remainder, 0, 1, gravity[n]) != 0) {
       s->velocity[n] = 0;
       w->state->faults |= (int32_t)FRAY_FAULT_LEFT_WORLD;
     }
@@ -95,9 +74,10 @@ void predict_run(fray_world *w, uint32_t substep) {
   w->gravity_step = vec_make(gravity_step(p->gravity_x, p->gravity_rest_x, &s->gravity_phase[0]),
                              gravity_step(p->gravity_y, p->gravity_rest_y, &s->gravity_phase[1]),
                              gravity_step(p->gravity_z, p->gravity_rest_z, &s->gravity_phase[2]));
-  uint32_t at_edge = advance(w->x, w->qx, w->vx, w->rx, first, end, w->gravity_step.x);
-  at_edge |= advance(w->y, w->qy, w->vy, w->ry, first, end, w->gravity_step.y);
-  at_edge |= advance(w->z, w->qz, w->vz, w->rz, first, end, w->gravity_step.z);
+  const fray_kernel kernel = w->kernel;
+  uint32_t at_edge = wide_advance(kernel, w->x, w->qx, w->vx, w->rx, first, end, w->gravity_step.x);
+  at_edge |= wide_advance(kernel, w->y, w->qy, w->vy, w->ry, first, end, w->gravity_step.y);
+  at_edge |= wide_advance(kernel, w->z, w->qz, w->vz, w->rz, first, end, w->gravity_step.z);
   if (at_edge != 0) s->faults |= (int32_t)FRAY_FAULT_LEFT_WORLD;
   for (uint32_t b = 0; b < (uint32_t)p->bodies; ++b) {
     if (w->bodies[b].motion == FRAY_FREE)

@@ -21,25 +21,18 @@
  * correction is added to one end and taken from the other, so a pair of equal masses keeps its
  * momentum to the last bit. Rounding is odd-symmetric, so mirrored sheets stay mirrored. */
 #include "rt/stage/stage.h"
-
-enum {
-  HI_MAX = 16383,
-  U_LEAST = -458752, /* -7/16 in Q20 */
-  PSI_0 = 16384,     /* 1/4 in Q16 */
-  PSI_1 = -12648,    /* -0.193 */
-  PSI_2 = 9961       /* 0.152 */
-};
+#include "rt/wide/wide.h"
 
 /* One component of d, in units of 2^LINK_SHIFT, in 16 bits. */
 static inline int32_t coarse(int32_t d) {
   return fx_saturate16(fx_round(d, LINK_SHIFT));
 }
 
-/* u * psi(u) in Q20. The constants of both Horner steps stand before their shifts. */
+/* u * psi(u) in Q20. */
 static inline int32_t half_strain(int32_t u) {
   const int32_t u_q15 = fx_asr(u, 5);
-  const int32_t slope = fx_asr(fx_mul(u_q15, PSI_2) + (PSI_1 * 32768 + (1 << 14)), 15);
-  const int32_t psi_q13 = fx_asr(fx_mul(u_q15, slope) + (PSI_0 * 32768 + (1 << 14)), 18);
+  const int32_t slope = fx_asr(fx_mul(u_q15, LINK_PSI_2) + LINK_HORNER_1, 15);
+  const int32_t psi_q13 = fx_asr(fx_mul(u_q15, slope) + LINK_HORNER_0, 18);
   return fx_asr(fx_mul(u, psi_q13) + (1 << 12), 13);
 }
 
@@ -47,15 +40,8 @@ static inline int32_t half_strain(int32_t u) {
 static inline int32_t projection_factor(int32_t e, const link_class *c) {
   const int32_t u = fx_asr(fx_mul(fx_asr(e + 16, 5), c->inverse) + (1 << 10), 11);
   if (__builtin_expect(u >= 0, 1)) return half_strain(u);
-  return fx_asr(fx_mul(half_strain(fx_max(u, U_LEAST)), c->push), 12);
+  return fx_asr(fx_mul(half_strain(fx_max(u, LINK_U_LEAST)), c->push), 12);
 }
-
-typedef struct {
-  int32_t *restrict x, *restrict y, *restrict z;
-  const row_id *i, *j;
-  const uint8_t *kind;
-  const link_class *classes;
-} link_view;
 
 /* |d|^2 in the units of hi, from d^2 = 2^2s hi^2 + 2^(s+1) hi lo + ..., where 2^s hi lo is hi d less
  * 2^s hi^2; the sums may wrap, their difference is small. What is saturated comes out above 2^28,
@@ -79,8 +65,8 @@ __attribute__((always_inline)) static inline vec3 correction(const link_view *s,
   uint32_t n = squared_length(d, hi);
   if (__builtin_expect(n > (uint32_t)c->n_max, 0)) {
     n = (uint32_t)c->n_max;
-    hi = vec_make(fx_clamp(hi.x, -HI_MAX, HI_MAX), fx_clamp(hi.y, -HI_MAX, HI_MAX),
-                  fx_clamp(hi.z, -HI_MAX, HI_MAX));
+    hi = vec_make(fx_clamp(hi.x, -LINK_HI_MAX, LINK_HI_MAX), fx_clamp(hi.y, -LINK_HI_MAX, LINK_HI_MAX),
+                  fx_clamp(hi.z, -LINK_HI_MAX, LINK_HI_MAX));
   }
   const int32_t f = projection_factor((int32_t)n - c->r2, c);
   return vec_make(fx_mul(hi.x, f), fx_mul(hi.y, f), fx_mul(hi.z, f));
@@ -132,10 +118,14 @@ void strain_run(fray_world *w) {
     while (b < batches) {
       const int32_t held = w->batches[b].held;
       const uint32_t first = (uint32_t)w->batches[b].first;
+      const uint32_t begun = b;
       const uint32_t end = world_run_of_batches(w, &b, batches);
-      if (held == BATCH_FREE) project_free(view, first, end);
-      if (held == BATCH_HELD) project_held(w, view, first, end);
-      if (held != BATCH_IDLE) w->work.projections += end - first;
+      if (held == BATCH_IDLE) continue;
+      if (held == BATCH_HELD)
+        project_held(w, view, first, end);
+      else if (!wide_project(w->kernel, view, w->batches + begun, b - begun))
+        project_free(view, first, end);
+      w->work.projections += end - first;
     }
   }
 }

@@ -97,7 +97,7 @@ for bytes in 4 50 95 96 3000; do
   head -c "$bytes" "$image" >"$cd_work/cut.img"
   wants 2 "cut.img: the image is cut off" "$FRAY" run "$cd_work/cut.img"
 done
-for bit in 130 3000 30001 54000; do
+for bit in 130 3000 30001 53000; do
   "$alter" flip "$image" "$bit" >"$cd_work/flipped.img"
   wants 2 "flipped.img: " "$FRAY" run "$cd_work/flipped.img"
   wants 2 "flipped.img: " "$FRAY" info "$cd_work/flipped.img"

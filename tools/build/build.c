@@ -21,6 +21,7 @@ static void free_draft(draft *d) {
   free(d->place);
   free(d->holder);
   free(d->level);
+  free(d->source);
   free(d->particle);
   free(d->crossing);
   free(d->rows);
@@ -35,11 +36,12 @@ static int begin_draft(draft *d) {
   d->place = calloc(d->crossings, sizeof *d->place);
   d->holder = calloc(d->crossings, sizeof *d->holder);
   d->level = calloc(d->crossings, sizeof *d->level);
+  d->source = calloc(d->crossings, sizeof *d->source);
   d->particle = calloc(d->crossings, sizeof *d->particle);
   d->crossing = calloc(d->crossings, sizeof *d->crossing);
   d->rows = calloc(rows, sizeof *d->rows);
   d->batches = calloc(LIMIT_BATCHES, sizeof *d->batches);
-  if (d->place == NULL || d->holder == NULL || d->level == NULL || d->particle == NULL ||
+  if (d->place == NULL || d->holder == NULL || d->level == NULL || d->source == NULL || d->particle == NULL ||
       d->crossing == NULL || d->rows == NULL || d->batches == NULL)
     return draft_refuse(d, 0, "out of memory");
   return 1;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A scene on its way to an image: the tables that later stages of the compiler need.
  * Stages, in order: scale (units), shape (bodies, crossings, who is held), order (levels, particle
- * numbers, rows in batches), fill (the world), settle (the test run). Integers only. */
+ * numbers), rows (in batches), fill (the world), settle (the test run). Integers only. */
 #ifndef FRAY_BUILD_DRAFT_H
 #define FRAY_BUILD_DRAFT_H
 
@@ -10,8 +10,10 @@
 
 typedef struct {
   uint32_t kind;      /* BATCH_HELD, BATCH_FREE, BATCH_IDLE: the order of stepping */
-  uint32_t least, sum; /* of its ends' levels */
   uint32_t colour;
+  uint32_t level;     /* the lesser one of its ends */
+  uint32_t step;      /* when it is stepped */
+  uint32_t single;    /* in no run */
   uint32_t canonical;
   uint32_t i, j;      /* particles */
 } draft_row;
@@ -32,6 +34,7 @@ typedef struct {
   vec3 *place;               /* crossing -> Q24 lu */
   uint8_t *holder;           /* crossing -> body, or DRAFT_FREE */
   uint32_t *level;           /* crossing -> steps from the nearest held crossing */
+  uint8_t *source;           /* crossing -> body that holds the nearest held one */
   uint32_t *particle;        /* crossing -> particle */
   uint32_t *crossing;        /* particle -> crossing */
   uint32_t held;
@@ -54,6 +57,9 @@ int draft_order(draft *d);
 int draft_rows(draft *d);
 int draft_params(const draft *d, params *p);
 int draft_classes(const draft *d, link_class *links, spring_class *springs);
+
+/* Neighbours of a crossing: before and after it along its weft, along its warp; itself at the edge. */
+void draft_neighbours(const draft *d, uint32_t crossing, uint32_t near[4]);
 
 /* Always 0: fills the error. `line` 0 when it is about no place in particular. */
 int draft_refuse(const draft *d, int line, const char *format, ...)

@@ -187,15 +187,17 @@ int draft_params(const draft *d, params *p) {
 }
 
 /* dv = k/m T h per length, with 16 bits. */
-static int spring_gain(const draft *d, const char *key, exact k, spring_class *c) {
+static int make_spring(const draft *d, const char *key, exact k, int32_t rest,
+                       int32_t compression_only, spring_class *c) {
   const int64_t rate = d->scene->rate_hz;
   const exact per_tick = exact_div(exact_div(k, d->particle_mass), exact_make(rate * rate, 1));
   const exact gain = exact_div(per_tick, exact_make(d->substeps, 1));
-  for (c->shift = 17; c->shift < 46; ++c->shift) {
-    if (!word(d, key, gain, (unsigned)c->shift, 0, 65535, &c->mantissa)) return 0;
-    if (c->mantissa >= 1 << 15) return 1;
-  }
-  c->mantissa = 0; /* too weak to move anything */
+  int32_t mantissa = 0;
+  int32_t shift = 16;
+  while (mantissa < 1 << 15 && shift < 46)
+    if (!word(d, key, gain, (unsigned)++shift, 0, 65535, &mantissa)) return 0;
+  if (mantissa < 1 << 15) mantissa = 0; /* too weak to move anything */
+  *c = spring_class_make(rest, mantissa, shift, compression_only);
   return 1;
 }
 
@@ -215,12 +217,11 @@ int draft_classes(const draft *d, link_class *links, spring_class *springs) {
   if (!push_share(d, &push)) return 0;
   for (uint32_t axis = 0; axis < 2; ++axis) {
     links[1 + axis] = link_class_make(d->spacing[axis], push);
-    springs[1 + axis].rest = 2 * d->spacing[axis];
-    if (!spring_gain(d, "bend", d->scene->sheet.bend, &springs[1 + axis])) return 0;
+    if (!make_spring(d, "bend", d->scene->sheet.bend, 2 * d->spacing[axis], 0, &springs[1 + axis]))
+      return 0;
   }
   const uint64_t diagonal2 = (uint64_t)((int64_t)d->spacing[0] * d->spacing[0]) +
                              (uint64_t)((int64_t)d->spacing[1] * d->spacing[1]);
-  springs[3].rest = (int32_t)exact_sqrt(diagonal2);
-  springs[3].compression_only = 1;
-  return spring_gain(d, "shear", d->scene->sheet.shear, &springs[3]);
+  return make_spring(d, "shear", d->scene->sheet.shear, (int32_t)exact_sqrt(diagonal2), 1,
+                     &springs[3]);
 }

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "platform/linux/cpu.h"
 #include "tools/build/draft.h"
 #include "tools/build/settle.h"
 
@@ -158,6 +159,7 @@ static int try_once(const scene *still, const settle_plan *plan, uint32_t subste
   t->strain_q16 = 0;
   t->energy_grew = 0;
   if (!fill_world(still, plan->file, substeps, sweeps, &memory, &w, error)) return 0;
+  cpu_use_best(w);
   uint8_t *idle = calloc((size_t)w->params->links, 1);
   int kept = idle != NULL;
   if (kept) {

@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "rt/wide/wide.h"
+
+#if defined(__x86_64__) && defined(__SSE2__)
+#ifdef __clang__
+#pragma clang attribute push(__attribute__((target("avx512f,avx512bw,avx512dq,avx512vl"))), apply_to = function)
+#else
+#pragma GCC target("avx512f,avx512bw,avx512dq,avx512vl")
+#endif
+#include "rt/wide/lanes_avx512.h"
+#include "rt/wide/kernels.h"
+
+WIDE_TABLE(WIDE_DEFINE, avx512)
+
+#ifdef __clang__
+#pragma clang attribute pop
+#endif
+#endif

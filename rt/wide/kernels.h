@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The kernels of one instruction set, after its lanes. */
+#ifndef FRAY_WIDE_KERNELS_H
+#define FRAY_WIDE_KERNELS_H
+
+#include "rt/wide/digest.h"
+#include "rt/wide/project.h"
+#include "rt/wide/push.h"
+
+#define WIDE_DEFINE(set, name, parameters, arguments, scalar, wide) \
+  uint32_t wide_##name##_##set parameters { return wide arguments; }
+
+#endif

@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Eight 32-bit lanes on x86-64 with AVX2. */
+#ifndef FRAY_WIDE_LANES_AVX2_H
+#define FRAY_WIDE_LANES_AVX2_H
+
+#include <immintrin.h>
+
+#include "rt/model/rows.h"
+
+enum { LANES = 8, LANES_ALL = 255 };
+typedef __m256i lanes;
+typedef __m256i lane_mask; /* all ones or all zeros a lane */
+
+#define LANES_INLINE static inline __attribute__((always_inline))
+
+LANES_INLINE lanes lanes_all(int32_t v) { return _mm256_set1_epi32(v); }
+LANES_INLINE lanes lanes_add(lanes a, lanes b) { return _mm256_add_epi32(a, b); }
+LANES_INLINE lanes lanes_sub(lanes a, lanes b) { return _mm256_sub_epi32(a, b); }
+LANES_INLINE lanes lanes_mul(lanes a, lanes b) { return _mm256_mullo_epi32(a, b); }
+LANES_INLINE lanes lanes_min(lanes a, lanes b) { return _mm256_min_epi32(a, b); }
+LANES_INLINE lanes lanes_max(lanes a, lanes b) { return _mm256_max_epi32(a, b); }
+LANES_INLINE lanes lanes_asr(lanes v, unsigned s) { return _mm256_sra_epi32(v, _mm_cvtsi32_si128((int)s)); }
+LANES_INLINE lanes lanes_shl(lanes v, unsigned s) { return _mm256_sll_epi32(v, _mm_cvtsi32_si128((int)s)); }
+LANES_INLINE lanes lanes_asr_by(lanes v, lanes s) { return _mm256_srav_epi32(v, s); }
+LANES_INLINE lanes lanes_shl_by(lanes v, lanes s) { return _mm256_sllv_epi32(v, s); }
+LANES_INLINE lanes lanes_and(lanes a, lanes b) { return _mm256_and_si256(a, b); }
+LANES_INLINE lanes lanes_xor(lanes a, lanes b) { return _mm256_xor_si256(a, b); }
+LANES_INLINE lane_mask lanes_above(lanes a, lanes b) { return _mm256_cmpgt_epi32(a, b); }
+LANES_INLINE lanes lanes_sign(lanes v) { return _mm256_srai_epi32(v, 31); }
+LANES_INLINE lane_mask lanes_below_zero(lanes v) { return _mm256_srai_epi32(v, 31); }
+LANES_INLINE lanes lanes_pick(lane_mask m, lanes yes, lanes no) {
+  return _mm256_blendv_epi8(no, yes, m);
+}
+LANES_INLINE lanes lanes_keep(lane_mask m, lanes v) { return _mm256_and_si256(m, v); }
+
+LANES_INLINE lane_mask lanes_first(uint32_t count) {
+  const __m256i n = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+  return _mm256_cmpgt_epi32(_mm256_set1_epi32((int32_t)count), n);
+}
+LANES_INLINE lanes lanes_of(const int32_t *from, const uint32_t at[LANES]) {
+  return _mm256_set_epi32(from[at[7]], from[at[6]], from[at[5]], from[at[4]], from[at[3]],
+                          from[at[2]], from[at[1]], from[at[0]]);
+}
+LANES_INLINE lanes lanes_load(const int32_t *from) {
+  return _mm256_loadu_si256((const __m256i *)(const void *)from);
+}
+LANES_INLINE void lanes_store(int32_t *to, lanes v) {
+  _mm256_storeu_si256((__m256i *)(void *)to, v);
+}
+LANES_INLINE lanes lanes_load_part(lanes others, const int32_t *from, lane_mask m) {
+  return _mm256_or_si256(_mm256_andnot_si256(m, others), _mm256_maskload_epi32(from, m));
+}
+LANES_INLINE void lanes_store_part(int32_t *to, lane_mask m, lanes v) {
+  _mm256_maskstore_epi32(to, m, v);
+}
+
+/* Rows of a batch: their ids as lanes, kinds as bits. */
+LANES_INLINE lanes lanes_load_ids(const row_id *from) {
+#if FRAY_ID_BITS == 16
+  return _mm256_cvtepu16_epi32(_mm_loadu_si128((const __m128i *)(const void *)from));
+#else
+  return _mm256_loadu_si256((const __m256i *)(const void *)from);
+#endif
+}
+/* Bit n: id n does not follow id n - 1. */
+LANES_INLINE uint32_t lanes_breaks(lanes ids) {
+  const __m256i before = _mm256_permutevar8x32_epi32(ids, _mm256_setr_epi32(0, 0, 1, 2, 3, 4, 5, 6));
+  const __m256i next = _mm256_add_epi32(before, _mm256_set1_epi32(1));
+  return ~(uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpeq_epi32(ids, next))) & 254u;
+}
+/* Of the lanes in `bits`, those from `first` to `end` - 1. */
+LANES_INLINE lane_mask lanes_between(uint32_t bits, uint32_t first, uint32_t end) {
+  const uint32_t m = bits & ((1u << end) - (1u << first));
+  const __m256i lane = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+  return _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32((int32_t)m), lane), lane);
+}
+LANES_INLINE lanes lanes_load_kinds(const uint8_t *from) {
+  return _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)from));
+}
+LANES_INLINE lane_mask lanes_equal(lanes a, lanes b) { return _mm256_cmpeq_epi32(a, b); }
+LANES_INLINE lane_mask lanes_differ(lanes a, lanes b) {
+  return _mm256_xor_si256(_mm256_cmpeq_epi32(a, b), _mm256_set1_epi32(-1));
+}
+LANES_INLINE uint32_t lanes_bits(lane_mask m) {
+  return (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(m));
+}
+LANES_INLINE lanes lanes_load_ids_part(const row_id *from, uint32_t count) {
+#if FRAY_ID_BITS == 16
+  uint16_t ids[LANES] = {0, 0, 0, 0, 0, 0, 0, 0};
+  for (uint32_t n = 0; n < count; ++n) ids[n] = from[n];
+  return lanes_load_ids(ids);
+#else
+  return _mm256_maskload_epi32((const int *)from, lanes_first(count));
+#endif
+}
+LANES_INLINE lanes lanes_load_kinds_part(const uint8_t *from, uint32_t count) {
+  uint64_t kinds = 0;
+  for (uint32_t n = 0; n < count; ++n) kinds |= (uint64_t)from[n] << 8 * n;
+  return _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((int64_t)kinds));
+}
+
+#endif

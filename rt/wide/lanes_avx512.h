@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Sixteen 32-bit lanes on x86-64 with AVX-512 (F, BW, DQ, VL). */
+#ifndef FRAY_WIDE_LANES_AVX512_H
+#define FRAY_WIDE_LANES_AVX512_H
+
+#include <immintrin.h>
+
+#include "rt/model/rows.h"
+
+enum { LANES = 16, LANES_ALL = 65535 };
+typedef __m512i lanes;
+typedef __mmask16 lane_mask;
+
+#define LANES_INLINE static inline __attribute__((always_inline))
+
+LANES_INLINE lanes lanes_all(int32_t v) { return _mm512_set1_epi32(v); }
+LANES_INLINE lanes lanes_add(lanes a, lanes b) { return _mm512_add_epi32(a, b); }
+LANES_INLINE lanes lanes_sub(lanes a, lanes b) { return _mm512_sub_epi32(a, b); }
+LANES_INLINE lanes lanes_mul(lanes a, lanes b) { return _mm512_mullo_epi32(a, b); }
+LANES_INLINE lanes lanes_min(lanes a, lanes b) { return _mm512_min_epi32(a, b); }
+LANES_INLINE lanes lanes_max(lanes a, lanes b) { return _mm512_max_epi32(a, b); }
+LANES_INLINE lanes lanes_asr(lanes v, unsigned s) { return _mm512_sra_epi32(v, _mm_cvtsi32_si128((int)s)); }
+LANES_INLINE lanes lanes_shl(lanes v, unsigned s) { return _mm512_sll_epi32(v, _mm_cvtsi32_si128((int)s)); }
+LANES_INLINE lanes lanes_asr_by(lanes v, lanes s) { return _mm512_srav_epi32(v, s); }
+LANES_INLINE lanes lanes_shl_by(lanes v, lanes s) { return _mm512_sllv_epi32(v, s); }
+LANES_INLINE lanes lanes_and(lanes a, lanes b) { return _mm512_and_si512(a, b); }
+LANES_INLINE lanes lanes_xor(lanes a, lanes b) { return _mm512_xor_si512(a, b); }
+LANES_INLINE lane_mask lanes_above(lanes a, lanes b) { return _mm512_cmpgt_epi32_mask(a, b); }
+LANES_INLINE lanes lanes_sign(lanes v) { return _mm512_srai_epi32(v, 31); }
+LANES_INLINE lane_mask lanes_below_zero(lanes v) { return _mm512_movepi32_mask(v); }
+LANES_INLINE lanes lanes_pick(lane_mask m, lanes yes, lanes no) {
+  return _mm512_mask_blend_epi32(m, no, yes);
+}
+LANES_INLINE lanes lanes_keep(lane_mask m, lanes v) { return _mm512_maskz_mov_epi32(m, v); }
+
+LANES_INLINE lane_mask lanes_first(uint32_t count) {
+  return (lane_mask)((1u << count) - 1u);
+}
+LANES_INLINE lanes lanes_of(const int32_t *from, const uint32_t at[LANES]) {
+  return _mm512_set_epi32(from[at[15]], from[at[14]], from[at[13]], from[at[12]], from[at[11]],
+                          from[at[10]], from[at[9]], from[at[8]], from[at[7]], from[at[6]],
+                          from[at[5]], from[at[4]], from[at[3]], from[at[2]], from[at[1]],
+                          from[at[0]]);
+}
+LANES_INLINE lanes lanes_load(const int32_t *from) { return _mm512_loadu_si512(from); }
+LANES_INLINE void lanes_store(int32_t *to, lanes v) { _mm512_storeu_si512(to, v); }
+LANES_INLINE lanes lanes_load_part(lanes others, const int32_t *from, lane_mask m) {
+  return _mm512_mask_loadu_epi32(others, m, from);
+}
+LANES_INLINE void lanes_store_part(int32_t *to, lane_mask m, lanes v) {
+  _mm512_mask_storeu_epi32(to, m, v);
+}
+LANES_INLINE lanes lanes_load_ids(const row_id *from) {
+#if FRAY_ID_BITS == 16
+  return _mm512_cvtepu16_epi32(_mm256_loadu_si256((const __m256i *)(const void *)from));
+#else
+  return _mm512_loadu_si512(from);
+#endif
+}
+/* Bit n: id n does not follow id n - 1. */
+LANES_INLINE uint32_t lanes_breaks(lanes ids) {
+  const __m512i before = _mm512_alignr_epi32(ids, ids, 15);
+  const __m512i next = _mm512_add_epi32(before, _mm512_set1_epi32(1));
+  return _mm512_cmpneq_epi32_mask(ids, next) & ~1u;
+}
+/* Of the lanes in `bits`, those from `first` to `end` - 1. */
+LANES_INLINE lane_mask lanes_between(uint32_t bits, uint32_t first, uint32_t end) {
+  return (lane_mask)(bits & ((1u << end) - (1u << first)));
+}
+LANES_INLINE lanes lanes_load_kinds(const uint8_t *from) {
+  return _mm512_cvtepu8_epi32(_mm_loadu_si128((const __m128i *)(const void *)from));
+}
+LANES_INLINE lane_mask lanes_equal(lanes a, lanes b) { return _mm512_cmpeq_epi32_mask(a, b); }
+LANES_INLINE lane_mask lanes_differ(lanes a, lanes b) { return _mm512_cmpneq_epi32_mask(a, b); }
+LANES_INLINE uint32_t lanes_bits(lane_mask m) { return m; }
+LANES_INLINE lanes lanes_load_ids_part(const row_id *from, uint32_t count) {
+#if FRAY_ID_BITS == 16
+  return _mm512_cvtepu16_epi32(_mm256_maskz_loadu_epi16(lanes_first(count), from));
+#else
+  return _mm512_maskz_loadu_epi32(lanes_first(count), from);
+#endif
+}
+LANES_INLINE lanes lanes_load_kinds_part(const uint8_t *from, uint32_t count) {
+  return _mm512_cvtepu8_epi32(_mm_maskz_loadu_epi8(lanes_first(count), from));
+}
+
+#endif

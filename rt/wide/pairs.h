@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Rows of a batch, LANES at a time. Included after the lanes of an instruction set.
+ *
+ * Where the ends of rows follow one another in memory they go by plain loads and stores, in as many
+ * runs as the lanes hold; with more than PAIRS_RUNS of them they are gathered. Rows of a batch share
+ * no particle, so which of them go together does not matter. Dead rows, and all that lies outside of
+ * a batch's rows, are neither read nor written. */
+#ifndef FRAY_WIDE_PAIRS_H
+#define FRAY_WIDE_PAIRS_H
+
+#include "rt/model/rows.h"
+
+enum { PAIRS_RUNS = 4, PAIRS_WHOLE = 0, PAIRS_GATHERED = PAIRS_RUNS + 1 };
+
+/* Where a run of lanes lies: lane n at [from + n]. */
+typedef struct {
+  intptr_t from;
+  lane_mask used;
+} pairs_run;
+
+typedef struct {
+  int way;             /* PAIRS_WHOLE: one run in all lanes; 1..PAIRS_RUNS runs; PAIRS_GATHERED */
+  int one_class;
+  uint32_t kind;       /* then */
+  pairs_run run_i[PAIRS_RUNS], run_j[PAIRS_RUNS];
+  /* of gathered ones; lanes without a row repeat another one, and write what it writes */
+  uint32_t i[LANES], j[LANES], kinds[LANES];
+} pairs;
+
+LANES_INLINE const int32_t *pairs_at(const int32_t *words, intptr_t n) {
+  return (const int32_t *)((uintptr_t)words + (uintptr_t)n * sizeof *words);
+}
+
+LANES_INLINE lanes pairs_fetch(const pairs *p, const int32_t *from, const pairs_run *run,
+                               const uint32_t at[LANES]) {
+  if (p->way == PAIRS_WHOLE) return lanes_load(from + run->from);
+  if (p->way == PAIRS_GATHERED) return lanes_of(from, at);
+  lanes v = lanes_load_part(lanes_all(0), pairs_at(from, run[0].from), run[0].used);
+  for (int n = 1; n < p->way; ++n)
+    v = lanes_load_part(v, pairs_at(from, run[n].from), run[n].used);
+  return v;
+}
+LANES_INLINE lanes pairs_fetch_i(const pairs *p, const int32_t *from) {
+  return pairs_fetch(p, from, p->run_i, p->i);
+}
+LANES_INLINE lanes pairs_fetch_j(const pairs *p, const int32_t *from) {
+  return pairs_fetch(p, from, p->run_j, p->j);
+}
+
+LANES_INLINE void pairs_scatter(int32_t *to, const uint32_t at[LANES], lanes v) {
+  int32_t words[LANES];
+  lanes_store(words, v);
+  for (int n = 0; n < LANES; ++n) to[at[n]] = words[n];
+}
+LANES_INLINE void pairs_put(const pairs *p, int32_t *to, const pairs_run *run,
+                            const uint32_t at[LANES], lanes v) {
+  if (p->way == PAIRS_WHOLE)
+    lanes_store(to + run->from, v);
+  else if (p->way == PAIRS_GATHERED)
+    pairs_scatter(to, at, v);
+  else
+    for (int n = 0; n < p->way; ++n) lanes_store_part((int32_t *)pairs_at(to, run[n].from), run[n].used, v);
+}
+LANES_INLINE void pairs_put_i(const pairs *p, int32_t *to, lanes v) {
+  pairs_put(p, to, p->run_i, p->i, v);
+}
+LANES_INLINE void pairs_put_j(const pairs *p, int32_t *to, lanes v) {
+  pairs_put(p, to, p->run_j, p->j, v);
+}
+
+/* One word of the rows' classes. */
+LANES_INLINE lanes pairs_class(const pairs *p, const int32_t *words, uint32_t words_a_class) {
+  if (p->one_class) return lanes_all(words[p->kind * words_a_class]);
+  uint32_t at[LANES];
+  for (int n = 0; n < LANES; ++n) at[n] = p->kinds[n] * words_a_class;
+  return lanes_of(words, at);
+}
+
+LANES_INLINE lanes lanes_round(lanes v, unsigned s) {
+  return lanes_asr(lanes_add(v, lanes_add(lanes_sign(v), lanes_all((int32_t)1 << (s - 1)))), s);
+}
+LANES_INLINE lanes lanes_clamp(lanes v, int32_t bound) {
+  return lanes_max(lanes_min(v, lanes_all(bound)), lanes_all(-bound));
+}
+LANES_INLINE lanes lanes_dot(const lanes a[3], const lanes b[3]) {
+  return lanes_add(lanes_add(lanes_mul(a[0], b[0]), lanes_mul(a[1], b[1])), lanes_mul(a[2], b[2]));
+}
+
+typedef struct {
+  const row_id *i, *j;
+  const uint8_t *kind;
+} pair_rows;
+
+typedef void pairs_take(const void *view, const pairs *p);
+
+/* Takes `count` rows from `row` on, at most LANES. */
+LANES_INLINE void pairs_some(const pair_rows *s, uint32_t row, uint32_t count, int whole,
+                             pairs_take *take, const void *view) {
+  const row_id *i = s->i + row;
+  const row_id *j = s->j + row;
+  const uint8_t *kind = s->kind + row;
+  pairs p;
+  const lanes ids_i = whole ? lanes_load_ids(i) : lanes_load_ids_part(i, count);
+  const lanes ids_j = whole ? lanes_load_ids(j) : lanes_load_ids_part(j, count);
+  const lanes kinds = whole ? lanes_load_kinds(kind) : lanes_load_kinds_part(kind, count);
+  const lane_mask used = lanes_above(kinds, lanes_all(ROW_DEAD)); /* none beyond count */
+  const uint32_t alive = lanes_bits(used);
+  if (alive == 0) return;
+  const uint32_t first = (uint32_t)__builtin_ctz(alive);
+  p.kind = kind[first];
+  p.one_class = 1;
+  const uint32_t others = lanes_bits(lanes_differ(kinds, lanes_all((int32_t)p.kind))) & alive;
+  uint32_t breaks =
+      (lanes_breaks(ids_i) | lanes_breaks(ids_j)) & (0xFFFFFFFFu >> (32u - count));
+  if (whole && breaks == 0 && others == 0 && alive == (uint32_t)LANES_ALL) {
+    p.run_i[0].from = *i;
+    p.run_j[0].from = *j;
+    p.way = PAIRS_WHOLE;
+    take(view, &p);
+    return;
+  }
+  if (others != 0 || __builtin_popcount(breaks) >= PAIRS_RUNS) {
+    lanes_store((int32_t *)p.i, lanes_pick(used, ids_i, lanes_all((int32_t)i[first])));
+    lanes_store((int32_t *)p.j, lanes_pick(used, ids_j, lanes_all((int32_t)j[first])));
+    p.way = PAIRS_GATHERED;
+    if (others == 0) {
+      take(view, &p);
+    } else {
+      lanes_store((int32_t *)p.kinds, lanes_pick(used, kinds, lanes_all((int32_t)p.kind)));
+      p.one_class = 0;
+      take(view, &p);
+    }
+    return;
+  }
+  /* one call for each number of runs, so that it is a constant in each */
+  int runs = 0;
+  uint32_t begun = 0;
+  for (;;) {
+    const uint32_t next = breaks == 0 ? count : (uint32_t)__builtin_ctz(breaks);
+    const lane_mask mask = lanes_between(alive, begun, next);
+    p.run_i[runs].from = (intptr_t)i[begun] - (intptr_t)begun;
+    p.run_j[runs].from = (intptr_t)j[begun] - (intptr_t)begun;
+    p.run_i[runs].used = p.run_j[runs].used = mask;
+    ++runs;
+    if (breaks == 0) break;
+    breaks &= breaks - 1u;
+    begun = next;
+  }
+  switch (runs) {
+    case 1: p.way = 1; take(view, &p); break;
+    case 2: p.way = 2; take(view, &p); break;
+    case 3: p.way = 3; take(view, &p); break;
+    default: p.way = 4; take(view, &p); break;
+  }
+}
+
+/* Returns the number of rows. */
+LANES_INLINE uint32_t pairs_each(const pair_rows *s, const row_batch *batches, uint32_t count,
+                                 pairs_take *take, const void *view) {
+  uint32_t taken = 0;
+  for (uint32_t b = 0; b < count; ++b) {
+    uint32_t row = (uint32_t)batches[b].first;
+    const uint32_t end = row + (uint32_t)batches[b].count;
+    taken += end - row;
+    for (; row + LANES <= end; row += LANES) pairs_some(s, row, LANES, 1, take, view);
+    if (row < end) pairs_some(s, row, end - row, 0, take, view);
+  }
+  return taken;
+}
+
+#endif

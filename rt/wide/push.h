@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Bend and shear springs between free particles: stage/springs.c says what they compute. */
+#ifndef FRAY_WIDE_PUSH_H
+#define FRAY_WIDE_PUSH_H
+
+#include "rt/wide/pairs.h"
+#include "rt/wide/spring.h"
+
+LANES_INLINE lanes push_horner(lanes x, lanes y, int32_t constant) {
+  return lanes_add(lanes_asr(lanes_mul(x, y), 15), lanes_all(constant));
+}
+
+LANES_INLINE lanes push_share(lanes t) {
+  const lane_mask far_up = lanes_above(lanes_all(4096), t);
+  const lanes nearer = lanes_pick(far_up, lanes_shl(t, 4), t);
+  const lane_mask up = lanes_above(lanes_all(16384), nearer);
+  const lanes x = lanes_sub(lanes_pick(up, lanes_shl(nearer, 2), nearer), lanes_all(32768));
+  lanes y = push_horner(x, lanes_all(SPRING_SERIES_4), SPRING_SERIES_3);
+  y = push_horner(x, y, SPRING_SERIES_2);
+  y = push_horner(x, y, SPRING_SERIES_1);
+  const lanes s = lanes_asr(lanes_add(lanes_mul(x, y), lanes_all(1 << 14)), 15);
+  const lanes root = lanes_sub(lanes_all(16384), s);
+  const lanes once = lanes_pick(up, lanes_shl(root, 1), root);
+  return lanes_sub(lanes_all(16384), lanes_pick(far_up, lanes_shl(once, 2), once));
+}
+
+/* `half` is half of 2^s */
+LANES_INLINE lanes push_round_by(lanes v, lanes half, lanes s) {
+  return lanes_asr_by(lanes_add(v, lanes_add(lanes_sign(v), half)), s);
+}
+LANES_INLINE lanes push_half(lanes s) {
+  return lanes_shl_by(lanes_all(1), lanes_sub(s, lanes_all(1)));
+}
+
+LANES_INLINE void push_pairs(const void *view, const pairs *p) {
+  const spring_view *s = (const spring_view *)view;
+  const spring_class *c = s->classes;
+  const int32_t *const at[3] = {s->x, s->y, s->z};
+  int32_t *const speed[3] = {s->vx, s->vy, s->vz};
+  const lanes down = pairs_class(p, &c->down, SPRING_CLASS_WORDS);
+  const lanes down_half = push_half(down);
+  lanes d[3];
+  for (int a = 0; a < 3; ++a) {
+    const lanes way = lanes_sub(pairs_fetch_j(p, at[a]), pairs_fetch_i(p, at[a]));
+    d[a] = lanes_clamp(push_round_by(way, down_half, down), SPRING_HI_MAX);
+  }
+  const lanes n = lanes_dot(d, d);
+  const lane_mask acts = lanes_above(pairs_class(p, &c->idle, SPRING_CLASS_WORDS), n);
+  if (lanes_bits(acts) == 0) return;
+  const lanes r2 = pairs_class(p, &c->r2, SPRING_CLASS_WORDS);
+  const lanes inverse = pairs_class(p, &c->inverse, SPRING_CLASS_WORDS);
+  const lanes e = lanes_sub(lanes_min(n, lanes_shl(r2, 1)), r2);
+  const lanes scaled = lanes_mul(lanes_round(e, 12), inverse);
+  const lanes u = lanes_asr(lanes_add(scaled, lanes_all(1 << 11)), 12);
+  const lanes t = lanes_max(lanes_add(lanes_all(32768), u), lanes_all(SPRING_T_LEAST));
+  const lanes share = lanes_keep(acts, push_share(t));
+  const lanes pull =
+      lanes_round(lanes_mul(share, pairs_class(p, &c->pull, SPRING_CLASS_WORDS)), 14);
+  const lanes scale = pairs_class(p, &c->scale, SPRING_CLASS_WORDS);
+  const lanes scale_half = push_half(scale);
+  for (int a = 0; a < 3; ++a) {
+    const lanes dv = lanes_clamp(push_round_by(lanes_mul(d[a], pull), scale_half, scale),
+                                 SPRING_DV_MAX);
+    pairs_put_i(p, speed[a], lanes_add(pairs_fetch_i(p, speed[a]), dv));
+    pairs_put_j(p, speed[a], lanes_sub(pairs_fetch_j(p, speed[a]), dv));
+  }
+}
+
+LANES_INLINE uint32_t push_batches(spring_view s, const row_batch *batches, uint32_t count) {
+  const pair_rows rows = {s.i, s.j, s.kind};
+  return pairs_each(&rows, batches, count, push_pairs, &s);
+}
+
+#endif

@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Wide kernels: the hot loops, many rows or particles at a time, equal to the scalar code to the
+ * last bit. Each instruction set is one small file: what its lanes can do. What they compute is
+ * written once: rows in project.h and push.h, loops over particles in sweeps.h, which scalar code
+ * shares, the hash in digest.h. */
+#ifndef FRAY_WIDE_WIDE_H
+#define FRAY_WIDE_WIDE_H
+
+#include "rt/base/hash.h"
+#include "rt/fray.h"
+#include "rt/wide/link.h"
+#include "rt/wide/spring.h"
+#include "rt/wide/sweeps.h"
+
+/* Every kernel: X(set, name, parameters, arguments, scalar function, wide function). Each answers how
+ * many rounds or rows it took, from the front, and the caller's scalar loop takes the rest; sweeps
+ * take all, whatever they answer. */
+#define WIDE_TABLE(X, set)                                                                       \
+  /* batches that stand one after the other, both ends free: all rows or none */                 \
+  X(set, project, (link_view s, const row_batch *batches, uint32_t count), (s, batches, count),  \
+    wide_none, project_batches)                                                                  \
+  X(set, push, (spring_view s, const row_batch *batches, uint32_t count), (s, batches, count),   \
+    wide_none, push_batches)                                                                     \
+  X(set, hash_words, (hash * h, const int32_t *words, uint32_t count), (h, words, count),        \
+    wide_none, digest_of_words)                                                                  \
+  X(set, hash_bytes, (hash * h, const int8_t *bytes, uint32_t count), (h, bytes, count),         \
+    wide_none, digest_of_bytes)                                                                  \
+  X(set, advance,                                                                                \
+    (int32_t * x, int32_t *q, int32_t *v, int8_t *r, uint32_t first, uint32_t end,               \
+     int32_t gravity),                                                                           \
+    (x, q, v, r, first, end, gravity), sweep_advance, sweep_advance)                             \
+  X(set, take_over,                                                                              \
+    (const int32_t *x, const int32_t *q, int32_t *v, uint32_t first, uint32_t end),              \
+    (x, q, v, first, end), sweep_take_over, sweep_take_over)                                     \
+  X(set, drag, (int32_t * v, uint32_t first, uint32_t end, int32_t share),                       \
+    (v, first, end, share), sweep_drag, sweep_drag)                                              \
+  X(set, turning,                                                                                \
+    (sweep_motion * m, const int32_t *x, const int32_t *y, const int32_t *z, const int32_t *vx,  \
+     const int32_t *vy, const int32_t *vz, uint32_t first, uint32_t end),                        \
+    (m, x, y, z, vx, vy, vz, first, end), sweep_turning, sweep_turning)                          \
+  X(set, follow,                                                                                 \
+    (const sweep_motion *m, int32_t share, const int32_t *x, const int32_t *y, const int32_t *z, \
+     int32_t *vx, int32_t *vy, int32_t *vz, uint32_t first, uint32_t end),                       \
+    (m, share, x, y, z, vx, vy, vz, first, end), sweep_follow, sweep_follow)
+
+#define wide_none(a, b, c) ((void)(a), (void)(b), (void)(c), 0u)
+
+/* Which sets this build has. */
+#if defined(__x86_64__) && defined(__SSE2__)
+#define WIDE_SETS(X) X(AVX2, avx2) X(AVX512, avx512)
+#define WIDE_CASES(name, arguments)                              \
+  case FRAY_KERNEL_AVX2: return wide_##name##_avx2 arguments;    \
+  case FRAY_KERNEL_AVX512: return wide_##name##_avx512 arguments;
+#else
+#define WIDE_SETS(X)
+#define WIDE_CASES(name, arguments)
+#endif
+
+#define WIDE_DECLARE(set, name, parameters, arguments, scalar, wide) \
+  uint32_t wide_##name##_##set parameters;
+#define WIDE_DECLARE_SET(SET, set) WIDE_TABLE(WIDE_DECLARE, set)
+WIDE_SETS(WIDE_DECLARE_SET)
+
+/* wide_NAME(kernel, ...) */
+#define WIDE_OPEN(...) __VA_ARGS__
+#define WIDE_CHOOSE(set, name, parameters, arguments, scalar, wide)                       \
+  static inline uint32_t wide_##name(fray_kernel kernel, WIDE_OPEN parameters) {          \
+    switch (kernel) {                                                                     \
+      WIDE_CASES(name, arguments)                                                         \
+      default: return scalar arguments;                                                   \
+    }                                                                                     \
+  }
+WIDE_TABLE(WIDE_CHOOSE, any)
+
+#endif
