@@ -7,13 +7,7 @@
  * run, each substep: a particle closer to a body than the cloth's thickness is pushed out along
  * the body's normal, and held back along the surface by Coulomb friction, as a displacement. */
 #include "rt/stage/stage.h"
-
-/* How far something gets in this tick: speed * substeps, at most the world's half. `fastest` is the
- * speed, in steps of a position, that gets there. */
-static uint32_t travel(int32_t velocity, uint32_t substeps, uint32_t fastest) {
-  const uint32_t speed = fx_magnitude(velocity) >> FX_SUB_BITS;
-  return speed > fastest ? (uint32_t)FX_WORLD_MAX : speed * substeps;
-}
+#include "rt/wide/wide.h"
 
 /* How far a body will move in this tick, along each axis. */
 static vec3 body_travel(const fray_world *w, uint32_t b, uint32_t fastest) {
@@ -21,35 +15,12 @@ static vec3 body_travel(const fray_world *w, uint32_t b, uint32_t fastest) {
   const int32_t *v = w->body_states[b].velocity;
   const uint32_t substeps = (uint32_t)w->params->substeps;
   if (w->bodies[b].motion == FRAY_FREE)
-    return vec_make((int32_t)travel(v[0], substeps, fastest),
-                    (int32_t)travel(v[1], substeps, fastest),
-                    (int32_t)travel(v[2], substeps, fastest));
+    return vec_make((int32_t)reach_travel(v[0], substeps, fastest),
+                    (int32_t)reach_travel(v[1], substeps, fastest),
+                    (int32_t)reach_travel(v[2], substeps, fastest));
   const vec3 way = vec_sub(m->to, m->from);
   return vec_make((int32_t)fx_magnitude(way.x), (int32_t)fx_magnitude(way.y),
                   (int32_t)fx_magnitude(way.z));
-}
-
-/* What a body's gathering needs of it; a reach of the world's width reaches everything. */
-typedef struct {
-  int64_t along[3];  /* half sizes of its box, with skin and travel */
-  uint32_t reach[3]; /* the same, at most 2^31 */
-  uint32_t substeps, fastest;
-} grasp;
-
-/* The distance is below 2^31, the sum below 2^32. */
-static inline int within(const grasp *g, uint32_t n, int32_t at, int32_t centre, int32_t velocity) {
-  return fx_magnitude(fx_sub(at, centre)) <= g->reach[n] + travel(velocity, g->substeps, g->fastest);
-}
-
-static int plane_may_touch(const fray_world *w, uint32_t b, uint32_t p, const grasp *g) {
-  const int32_t *at = w->body_states[b].position;
-  const int32_t *n = &w->bodies[b].axes[3];
-  const vec3 away = vec_sub(world_position(w, p), vec_make(at[0], at[1], at[2]));
-  const int64_t way = (int64_t)travel(w->vx[p], g->substeps, g->fastest) +
-                      travel(w->vy[p], g->substeps, g->fastest) +
-                      travel(w->vz[p], g->substeps, g->fastest);
-  return vec_dot_unit(away, vec_make(n[0], n[1], n[2])) <=
-         g->along[0] + g->along[1] + g->along[2] + way;
 }
 
 /* Returns 0 where the pool is full. */
@@ -65,35 +36,57 @@ __attribute__((noinline)) static int add_contact(fray_world *w, uint32_t b, uint
   return 1;
 }
 
-static void gather_plane(fray_world *w, uint32_t b, const grasp *g) {
-  for (uint32_t p = (uint32_t)w->params->held; p < (uint32_t)w->params->particles; ++p)
-    if (plane_may_touch(w, b, p, g) && !add_contact(w, b, p)) return;
-}
+/* Wide kernels rule out whole stretches of particles. */
+enum { GATHER_STRETCH = 64 };
 
-static void gather_body(fray_world *w, uint32_t b, const grasp *g) {
-  const int32_t *at = w->body_states[b].position;
-  for (uint32_t p = (uint32_t)w->params->held; p < (uint32_t)w->params->particles; ++p)
-    if (within(g, 0, w->x[p], at[0], w->vx[p]) && within(g, 1, w->y[p], at[1], w->vy[p]) &&
-        within(g, 2, w->z[p], at[2], w->vz[p]) && !add_contact(w, b, p))
+static void gather_plane(fray_world *w, uint32_t b, const reach *g, uint32_t first, uint32_t end) {
+  for (uint32_t p = first; p < end; ++p)
+    if (reach_above(g, world_position(w, p), vec_make(w->vx[p], w->vy[p], w->vz[p])) &&
+        !add_contact(w, b, p))
       return;
 }
 
-static void gather(fray_world *w, uint32_t b) {
+static void gather_box(fray_world *w, uint32_t b, const reach *g, uint32_t first, uint32_t end) {
+  for (uint32_t p = first; p < end; ++p)
+    if (reach_along(g, 0, w->x[p], w->vx[p]) && reach_along(g, 1, w->y[p], w->vy[p]) &&
+        reach_along(g, 2, w->z[p], w->vz[p]) && !add_contact(w, b, p))
+      return;
+}
+
+static reach reach_of(const fray_world *w, uint32_t b) {
   const params *k = w->params;
   const body *s = &w->bodies[b];
-  grasp g = {{0, 0, 0}, {0, 0, 0}, (uint32_t)k->substeps,
-             (uint32_t)FX_WORLD_MAX / (uint32_t)k->substeps};
-  const vec3 travelled = body_travel(w, b, g.fastest);
+  const int32_t *at = w->body_states[b].position;
+  const uint32_t fastest = (uint32_t)FX_WORLD_MAX / (uint32_t)k->substeps;
+  const vec3 travelled = body_travel(w, b, fastest);
   const int32_t way[3] = {travelled.x, travelled.y, travelled.z};
+  reach g = {{at[0], at[1], at[2]}, {0, 0, 0}, vec_make(s->axes[3], s->axes[4], s->axes[5]),
+             0, (uint32_t)k->substeps, fastest};
   for (uint32_t n = 0; n < 3; ++n) {
-    g.along[n] = (int64_t)k->thickness + k->contact_margin + s->reach[n] + way[n];
-    g.reach[n] = (uint32_t)fx_clamp64(g.along[n], 0, (int64_t)1 << 31);
+    const int64_t along = (int64_t)k->thickness + k->contact_margin + s->reach[n] + way[n];
+    g.half[n] = (uint32_t)fx_clamp64(along, 0, (int64_t)1 << 31);
+    g.above += along;
   }
-  w->work.gathers += (uint32_t)(k->particles - k->held);
-  if (s->shape == FRAY_PLANE)
-    gather_plane(w, b, &g);
-  else
-    gather_body(w, b, &g);
+  return g;
+}
+
+static void gather(fray_world *w, uint32_t b) {
+  const uint32_t end = (uint32_t)w->params->particles;
+  const uint32_t first = (uint32_t)w->params->held;
+  const uint32_t stretch = w->kernel == FRAY_KERNEL_SCALAR ? end : GATHER_STRETCH;
+  const int is_plane = w->bodies[b].shape == FRAY_PLANE;
+  const reach g = reach_of(w, b);
+  w->work.gathers += end - first;
+  for (uint32_t p = first; p < end;) {
+    const uint32_t last = end - p < stretch ? end : p + stretch;
+    if (is_plane) {
+      if (wide_near_plane(w->kernel, &g, w->x, w->y, w->z, w->vx, w->vy, w->vz, p, last))
+        gather_plane(w, b, &g, p, last);
+    } else if (wide_near_box(w->kernel, &g, w->x, w->y, w->z, w->vx, w->vy, w->vz, p, last)) {
+      gather_box(w, b, &g, p, last);
+    }
+    p = last;
+  }
 }
 
 void collide_gather(fray_world *w) {

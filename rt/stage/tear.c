@@ -7,6 +7,7 @@
  * have relieved them. The list is a heap with the least of them first, so that a tick in which
  * everything tears costs a few steps more a spring and not cuts_max. */
 #include "rt/stage/stage.h"
+#include "rt/wide/wide.h"
 
 /* (rest * (1 + strain))^2, Q48 lu^2. A rest length is below 1/8 lu, a strain at most 4. */
 static uint64_t stretched_squared(int32_t rest, int32_t strain_q16) {
@@ -67,7 +68,11 @@ static void enlist(fray_world *w, cut found) {
 void tear_run(fray_world *w) {
   const params *p = w->params;
   if (p->tearing == 0) return;
-  for (uint32_t row = 0; row < (uint32_t)p->links; ++row) {
+  const link_view view = {w->x, w->y, w->z, w->row_i, w->row_j, w->row_class, w->links};
+  const uint32_t end = (uint32_t)p->links;
+  for (uint32_t row = 0; row < end; ++row) {
+    row = wide_over(w->kernel, view, p->tear_min, row, end);
+    if (row == end) break;
     const uint32_t kind = w->row_class[row];
     if (kind == ROW_DEAD) continue;
     const int32_t rest = w->links[kind].rest;

@@ -9,6 +9,7 @@
 #include "rt/base/hash.h"
 #include "rt/fray.h"
 #include "rt/wide/link.h"
+#include "rt/wide/reach.h"
 #include "rt/wide/spring.h"
 #include "rt/wide/sweeps.h"
 
@@ -21,6 +22,18 @@
     wide_none, project_batches)                                                                  \
   X(set, push, (spring_view s, const row_batch *batches, uint32_t count), (s, batches, count),   \
     wide_none, push_batches)                                                                     \
+  /* the first of rows first..end-1 that may be over its threshold: the scalar one, any */        \
+  X(set, over, (link_view s, int32_t tear_min, uint32_t first, uint32_t end),                    \
+    (s, tear_min, first, end), wide_first, over_next)                                            \
+  /* whether any particle may come near a body; the scalar one cannot rule it out */             \
+  X(set, near_box,                                                                               \
+    (const reach *g, const int32_t *x, const int32_t *y, const int32_t *z, const int32_t *vx,    \
+     const int32_t *vy, const int32_t *vz, uint32_t first, uint32_t end),                        \
+    (g, x, y, z, vx, vy, vz, first, end), wide_maybe, reach_any)                                 \
+  X(set, near_plane,                                                                             \
+    (const reach *g, const int32_t *x, const int32_t *y, const int32_t *z, const int32_t *vx,    \
+     const int32_t *vy, const int32_t *vz, uint32_t first, uint32_t end),                        \
+    (g, x, y, z, vx, vy, vz, first, end), wide_maybe, reach_any_above)                           \
   X(set, hash_words, (hash * h, const int32_t *words, uint32_t count), (h, words, count),        \
     wide_none, digest_of_words)                                                                  \
   X(set, hash_bytes, (hash * h, const int8_t *bytes, uint32_t count), (h, bytes, count),         \
@@ -44,6 +57,10 @@
     (m, share, x, y, z, vx, vy, vz, first, end), sweep_follow, sweep_follow)
 
 #define wide_none(a, b, c) ((void)(a), (void)(b), (void)(c), 0u)
+#define wide_first(s, tear_min, first, end) ((void)(s), (void)(tear_min), (void)(end), first)
+#define wide_maybe(g, x, y, z, vx, vy, vz, first, end)                                       \
+  ((void)(g), (void)(x), (void)(y), (void)(z), (void)(vx), (void)(vy), (void)(vz), (void)(first), \
+   (void)(end), 1u)
 
 /* Which sets this build has. */
 #if defined(__x86_64__) && defined(__SSE2__)

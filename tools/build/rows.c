@@ -106,6 +106,7 @@ static int compare_rows(const void *left, const void *right) {
   const draft_row *b = right;
   int order = compare_batches(a, b);
   if (order == 0) order = compare(a->single, b->single);
+  if (order == 0) order = compare(b->level, a->level); /* what the batch before moved last, last */
   if (order == 0) order = compare(a->i, b->i);
   return order != 0 ? order : compare(a->canonical, b->canonical);
 }
