@@ -150,8 +150,8 @@ budget-update: $(FRAY) $(HELPERS) ## write measured code, RAM and stack to tests
 work: $(FRAY) $(HELPERS) ## instructions per tick by stage on small targets, the bound of the worst tick
 	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) sh tests/work/work.sh
 
-bench: $(FRAY) ## time projections and stages
-	$(FRAY) bench
+bench: $(FRAY) ## times by stage beside float loops, for every scene: out/bench.md, out/bench.json (minutes)
+	@FRAY=$(FRAY) sh tools/bench/bench.sh out
 
 clean: ## remove what was built
 	rm -rf $(BUILD) build-san-gcc build-san-clang build-san-integer build-checked out

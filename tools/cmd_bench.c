@@ -1,222 +1,214 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* fray bench: time per projection beside float loops of the same links in the same run, and time
- * and counted work per tick by stage. Ratios are what counts; times are this machine's. */
+/* fray bench: times and counted work of ticks by stage, and time per projection beside float loops
+ * of the same links in the same run. Ratios are what counts; times are this machine's. */
 #include "tools/cmd_bench.h"
 
+#include <errno.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-#include "rt/stage/stage.h"
-#include "tools/bench/float_loop.h"
-#include "tools/bench/timed_tick.h"
-#include "tools/build/build.h"
+#include "tools/bench/result.h"
+#include "tools/bench/sheets.h"
 #include "tools/options.h"
-#include "tools/session.h"
 
-enum { ROUNDS = 15, SWEEPS = 20, SHEET_TICKS = 200, TICKS_MAX = 100000 };
-
-typedef struct {
-  double fixed_ns, plain_ns, coloured_ns; /* per projection, least of ROUNDS */
-} projection_times;
+enum { SHEET_TICKS = 200, SCENE_TICKS = 1000, TICKS_MAX = 100000, RUN_ROWS_LEAST = 1000 };
 
 typedef struct {
-  uint32_t ticks, rate_hz, substeps;
-  double total_ns;
-  double stage_ns[TIMED_COUNT];
-  uint32_t work_median, work_worst; /* counted: sum of all kinds */
-  uint32_t projections;             /* of the worst tick */
-} tick_times;
+  const char *scene, *log, *key, *kernel, *json_file, *rows_file;
+  uint32_t ticks;
+  int sweep, machine;
+} wishes;
+
+typedef struct {
+  FILE *json_out, *rows; /* NULL where nobody asked */
+  json j;
+} sinks;
 
 static void print_usage(FILE *out) {
   fprintf(out,
-          "usage: fray bench [X.scene|X.img [--log IN.log [--key FILE]]] [--ticks N] [--json]\n\n"
-          "Without a scene: hanging sheets of 41x41, 64x64, 80x40 and 160x80, 4 substeps; per\n"
-          "projection next to a plain and a coloured scalar float loop of the same links.\n"
-          "With one: time and counted work per tick, by stage. --key: of a recording under a key.\n\n"
-          "exit: 0 good, 1 out of memory, 2 wrong use or unreadable input\n");
+          "usage: fray bench [X.scene|X.img [--log IN.log [--key FILE]]] [options]\n\n"
+          "Time per projection next to float loops of the same links, from the same positions: one\n"
+          "link after the other, coloured, and eight at a time with AVX2, by ids and in runs. Time\n"
+          "and counted work per tick, by stage. Each kernel that this machine has, all in rounds.\n"
+          "Without a scene: sheets of 41x41 to 320x160 that hang from their tops, 4 substeps.\n\n"
+          "  --log IN.log     what drives the scene; --key FILE: of a recording under a key\n"
+          "  --machine        says what figures belong to: processor and compiler\n"
+          "  --sweep          instead: time per tick against crossings, 1k to 250k\n"
+          "  --ticks N        how many (default: the log's, or 1000; of a sheet 200)\n"
+          "  --kernel NAME    scalar, avx2, avx512, neon (default: all; --sweep: the fastest)\n"
+          "  --json FILE      everything, as JSON\n"
+          "  --rows FILE      rows for the tables of `make bench`, added to FILE\n\n"
+          "exit: 0 good, 1 out of memory, cannot write, or kernels differ; 2 wrong use or\n"
+          "unreadable input\n");
 }
 
-static double least(double a, double b) { return a < b ? a : b; }
+/* ---- results ---- */
 
-static double time_fixed(fray_world *w) {
-  w->work.projections = 0;
-  const double before = timed_now_ns();
-  for (int n = 0; n < SWEEPS; ++n) strain_run(w);
-  return (timed_now_ns() - before) / w->work.projections;
-}
-
-static double time_float(float_loop *f) {
-  const double before = timed_now_ns();
-  for (int n = 0; n < SWEEPS; ++n) float_loop_sweep(f);
-  return (timed_now_ns() - before) / ((double)SWEEPS * f->rows);
-}
-
-/* The three loops in turn, so that a change of the machine's speed meets all of them. */
-static int time_projections(fray_world *w, projection_times *t) {
-  float_loop plain;
-  float_loop coloured;
-  const int opened = float_loop_open(&plain, w, FLOAT_PLAIN);
-  const int good = float_loop_open(&coloured, w, FLOAT_COLOURED) && opened;
-  *t = (projection_times){1e9, 1e9, 1e9};
-  for (int round = 0; good && round < ROUNDS; ++round) {
-    t->fixed_ns = least(t->fixed_ns, time_fixed(w));
-    t->plain_ns = least(t->plain_ns, time_float(&plain));
-    t->coloured_ns = least(t->coloured_ns, time_float(&coloured));
-  }
-  float_loop_close(&plain);
-  float_loop_close(&coloured);
-  return good;
-}
-
-static uint32_t counted(const fray_work *k) {
-  return k->predictions + k->projections + k->springs + k->contacts + k->tear_tests + k->cuts;
-}
-
-static int by_size(const void *a, const void *b) {
-  const uint32_t x = *(const uint32_t *)a;
-  const uint32_t y = *(const uint32_t *)b;
-  return (x > y) - (x < y);
-}
-
-/* Runs a session; its world is stepped on. */
-static int time_ticks(session *s, uint32_t ticks, tick_times *t) {
-  uint32_t *work = malloc(ticks * sizeof *work);
-  fray_output out;
-  if (work == NULL) return 0;
-  memset(t, 0, sizeof *t);
-  memset(timed_ns, 0, sizeof timed_ns);
-  const double before = timed_now_ns();
-  for (uint32_t n = 0; n < ticks; ++n) {
-    timed_tick(s->opened.world, session_input(s, n), &out);
-    work[n] = counted(&out.work);
-    if (out.work.projections > t->projections) t->projections = out.work.projections;
-  }
-  t->total_ns = timed_now_ns() - before;
-  qsort(work, ticks, sizeof *work, by_size);
-  t->ticks = ticks;
-  t->rate_hz = s->facts.rate_hz;
-  t->substeps = s->facts.substeps;
-  t->work_median = work[ticks / 2];
-  t->work_worst = work[ticks - 1];
-  memcpy(t->stage_ns, timed_ns, sizeof t->stage_ns);
-  free(work);
-  return 1;
-}
-
-static void print_ticks(const tick_times *t) {
-  const double tick_ns = t->total_ns / t->ticks;
-  printf("  %u ticks at %u Hz, %u substeps: %.1f us a tick, %.2f times real time\n", t->ticks,
-         t->rate_hz, t->substeps, tick_ns / 1e3, 1e9 / t->rate_hz / tick_ns);
-  printf("  counted work a tick: median %u, worst %u\n", t->work_median, t->work_worst);
-  for (int n = 0; n < TIMED_COUNT; ++n)
-    printf("    %-16s %9.2f us  %5.1f %%\n", timed_labels[n], t->stage_ns[n] / t->ticks / 1e3,
-           100.0 * t->stage_ns[n] / t->total_ns);
-}
-
-static void print_ticks_json(const tick_times *t) {
-  printf("\"ticks\": %u, \"tick_us\": %.3f, \"real_time\": %.3f, \"work_median\": %u, "
-         "\"work_worst\": %u, \"stage_us\": {",
-         t->ticks, t->total_ns / t->ticks / 1e3, 1e9 / t->rate_hz / (t->total_ns / t->ticks),
-         t->work_median, t->work_worst);
-  for (int n = 0; n < TIMED_COUNT; ++n)
-    printf("%s\"%s\": %.3f", n > 0 ? ", " : "", timed_labels[n], t->stage_ns[n] / t->ticks / 1e3);
-  printf("}");
-}
-
-/* A sheet that hangs from its top row. */
-static int open_sheet(uint32_t warps, uint32_t wefts, session *s) {
-  char text[512];
-  char name[32];
-  scene_error error;
-  build_report report;
-  snprintf(name, sizeof name, "%ux%u", warps, wefts);
-  const int bytes = snprintf(text, sizeof text,
-                             "scene bench\nrate 1000 Hz\nsubsteps 4\nsweeps 1\n"
-                             "sheet {\n warps %u\n wefts %u\n spacing 12 /cm\n gather 5 %%\n"
-                             " tear off\n}\npin row top\n",
-                             warps, wefts);
-  memset(s, 0, sizeof *s);
-  scene *parsed = malloc(sizeof *parsed);
-  const int good = parsed != NULL && scene_parse(name, text, (size_t)bytes, parsed, &error) &&
-                   build_image(parsed, name, &s->opened.image, &s->opened.image_bytes, &report,
-                               NULL, NULL, &error) &&
-                   world_open_image(name, &s->opened, stderr) == 0;
-  free(parsed);
-  if (good) s->facts = fray_describe(s->opened.world);
-  return good;
-}
-
-static int bench_sheet(uint32_t warps, uint32_t wefts, int json, int first) {
-  session s;
-  projection_times p;
-  tick_times t;
-  if (!open_sheet(warps, wefts, &s)) return 0;
-  const int good = time_ticks(&s, SHEET_TICKS, &t) && time_projections(s.opened.world, &p);
-  if (good && json) {
-    printf("%s{\"sheet\": \"%ux%u\", \"projection_ns\": %.3f, \"float_plain_ns\": %.3f, "
-           "\"float_coloured_ns\": %.3f, \"ratio\": %.3f, ",
-           first ? "[" : ",\n ", warps, wefts, p.fixed_ns, p.plain_ns, p.coloured_ns,
-           p.fixed_ns / p.coloured_ns);
-    print_ticks_json(&t);
-    printf("}");
-  } else if (good) {
-    printf("%ux%u hanging\n  projection: %.2f ns; float plain %.2f ns, coloured %.2f ns; "
-           "ratio to coloured %.2f\n",
-           warps, wefts, p.fixed_ns, p.plain_ns, p.coloured_ns, p.fixed_ns / p.coloured_ns);
-    print_ticks(&t);
-  }
-  session_close(&s);
-  return good;
-}
-
-static int bench_sheets(int json) {
-  static const uint32_t sizes[4][2] = {{41, 41}, {64, 64}, {80, 40}, {160, 80}};
-  for (int n = 0; n < 4; ++n)
-    if (!bench_sheet(sizes[n][0], sizes[n][1], json, n == 0)) return 1;
-  if (json) printf("]\n");
+static int open_one(const char *path, const char *mode, FILE **out) {
+  *out = path != NULL ? fopen(path, mode) : NULL;
+  if (path == NULL || *out != NULL) return 1;
+  fprintf(stderr, "%s: cannot be written: %s\n", path, strerror(errno));
   return 0;
 }
 
-static int bench_scene(const char *file, const char *log, const char *key, uint32_t ticks,
-                       int json) {
-  session s;
-  tick_times t;
-  if (session_open(&s, file, log, key, 0) != 0) return 2;
-  if (ticks == 0) ticks = log != NULL ? s.log.count : 1000;
-  const int good = ticks > 0 && time_ticks(&s, ticks, &t);
-  if (good && json) {
-    printf("{\"scene\": \"%s\", ", file);
-    print_ticks_json(&t);
-    printf("}\n");
-  } else if (good) {
-    printf("%s\n", file);
-    print_ticks(&t);
+static int open_sinks(const wishes *wish, sinks *s) {
+  memset(s, 0, sizeof *s);
+  if (!open_one(wish->json_file, "w", &s->json_out)) return 0;
+  if (!open_one(wish->rows_file, "a", &s->rows)) {
+    if (s->json_out != NULL) fclose(s->json_out);
+    return 0;
   }
+  if (s->json_out == NULL) return 1;
+  s->j.out = s->json_out;
+  json_begin(&s->j, NULL, '{');
+  machine_json(&s->j);
+  return 1;
+}
+
+static int close_one(FILE *out, const char *path) {
+  if (out == NULL) return 1;
+  const int good = !ferror(out);
+  if (fclose(out) == 0 && good) return 1;
+  fprintf(stderr, "%s: cannot be written\n", path);
+  return 0;
+}
+
+static int close_sinks(const wishes *wish, sinks *s) {
+  if (s->json_out != NULL) json_end(&s->j, '}');
+  const int good = close_one(s->json_out, wish->json_file);
+  return close_one(s->rows, wish->rows_file) && good;
+}
+
+static void put_result(sinks *s, const bench_result *r) {
+  result_print(stdout, r);
+  fflush(stdout);
+  if (s->json_out != NULL) result_json(&s->j, r);
+  if (s->rows != NULL) result_rows(s->rows, r);
+}
+
+/* ---- scenes ---- */
+
+static int kernels_agree(const bench_result *r) {
+  for (uint32_t n = 1; n < r->kernels.count; ++n)
+    if (r->profiles[n].hash != r->profiles[0].hash) {
+      fprintf(stderr, "%s: kernels differ after tick %u\n", r->name, r->profiles[n].ticks - 1);
+      return 0;
+    }
+  return 1;
+}
+
+/* A world of its own, so that the session's is as it was. */
+static int time_projections(const session *s, const kernels *k, projection_times *t, int runs) {
+  struct opened o;
+  if (!world_again(&s->opened, &o)) return 0;
+  const int enough = !runs || projections_keep_runs(&o) >= RUN_ROWS_LEAST;
+  const int good = !enough || projections_time(o.world, k, t);
+  world_close(&o);
+  return good;
+}
+
+static int bench_session(const char *name, const session *s, const wishes *wish, uint32_t ticks,
+                         sinks *to) {
+  bench_result r;
+  memset(&r, 0, sizeof r);
+  r.name = name;
+  r.warps = fray_view_sheet(s->opened.world).warps;
+  r.wefts = fray_view_sheet(s->opened.world).wefts;
+  r.memory_bytes = s->opened.memory_bytes;
+  if (!kernels_find(&r.kernels, s->opened.world, wish->kernel)) return 2;
+  const int good = profiles_take(s, &r.kernels, ticks, r.profiles) &&
+                   time_projections(s, &r.kernels, &r.any, 0) &&
+                   time_projections(s, &r.kernels, &r.runs, 1);
+  if (!good) {
+    fprintf(stderr, "%s: not enough memory\n", name);
+    return 1;
+  }
+  put_result(to, &r);
+  return kernels_agree(&r) ? 0 : 1;
+}
+
+static int bench_scene(const wishes *wish, sinks *to) {
+  session s;
+  int code = session_open(&s, wish->scene, wish->log, wish->key, 0);
+  if (code != 0) return code;
+  uint32_t ticks = wish->log != NULL ? s.log.count : SCENE_TICKS;
+  if (wish->ticks != 0) ticks = wish->ticks;
+  code = bench_session(wish->scene, &s, wish, ticks, to);
   session_close(&s);
-  return good ? 0 : 1;
+  return code;
+}
+
+static int bench_sheets(const wishes *wish, sinks *to) {
+  static const uint32_t sizes[5][2] = {{41, 41}, {64, 64}, {80, 40}, {160, 80}, {320, 160}};
+  int code = 0;
+  for (int n = 0; code == 0 && n < 5; ++n) {
+    session s;
+    char name[32];
+    snprintf(name, sizeof name, "sheet %ux%u", sizes[n][0], sizes[n][1]);
+    if (!sheet_open(sizes[n][0], sizes[n][1], &s)) return 1;
+    code = bench_session(name, &s, wish, wish->ticks != 0 ? wish->ticks : SHEET_TICKS, to);
+    session_close(&s);
+  }
+  return code;
+}
+
+static int bench_growth(const wishes *wish, sinks *to) {
+  growth g;
+  const int code = growth_measure(wish->kernel, &g);
+  if (code != 0) return code;
+  growth_print(stdout, &g);
+  if (to->json_out != NULL) growth_json(&to->j, &g);
+  if (to->rows != NULL) growth_rows(to->rows, &g);
+  return 0;
+}
+
+static int bench(const wishes *wish) {
+  sinks to;
+  int code;
+  if (!open_sinks(wish, &to)) return 1;
+  machine_print(stdout);
+  if (wish->sweep) {
+    code = bench_growth(wish, &to);
+  } else {
+    if (to.json_out != NULL) json_begin(&to.j, "scenes", '[');
+    code = wish->scene != NULL ? bench_scene(wish, &to) : bench_sheets(wish, &to);
+    if (to.json_out != NULL) json_end(&to.j, ']');
+  }
+  return close_sinks(wish, &to) || code != 0 ? code : 1;
+}
+
+/* What options do not go together; NULL if they do. */
+static const char *contradiction(const wishes *wish) {
+  if (wish->key != NULL && wish->log == NULL) return "--key goes with --log";
+  if (wish->log != NULL && wish->scene == NULL) return "--log goes with a scene";
+  if (wish->machine && (wish->sweep || wish->scene != NULL))
+    return "--machine says only what the machine is, expected no scene and no --sweep";
+  if (wish->sweep && (wish->scene != NULL || wish->ticks != 0))
+    return "--sweep makes its own sheets, expected no scene and no --ticks";
+  return NULL;
 }
 
 int cmd_bench(int argc, char **argv) {
-  const char *file = NULL;
-  const char *log = NULL;
-  const char *key = NULL;
-  uint32_t ticks = 0;
-  int json = 0;
-  const option table[] = {{"--log", &log, NULL, NULL, 0, 0},
-                          {"--ticks", NULL, &ticks, NULL, 1, TICKS_MAX},
-                          {"--key", &key, NULL, NULL, 0, 0},
-                          {"--json", NULL, NULL, &json, 0, 0}};
-  const options_result wish =
-      options_parse(argc, argv, table, sizeof table / sizeof table[0], &file);
-  if (wish == OPTIONS_HELP || (log != NULL && file == NULL)) {
-    print_usage(wish == OPTIONS_HELP ? stdout : stderr);
-    return wish == OPTIONS_HELP ? 0 : 2;
+  wishes wish;
+  memset(&wish, 0, sizeof wish);
+  const option table[] = {{"--log", &wish.log, NULL, NULL, 0, 0},
+                          {"--key", &wish.key, NULL, NULL, 0, 0},
+                          {"--machine", NULL, NULL, &wish.machine, 0, 0},
+                          {"--sweep", NULL, NULL, &wish.sweep, 0, 0},
+                          {"--ticks", NULL, &wish.ticks, NULL, 1, TICKS_MAX},
+                          {"--kernel", &wish.kernel, NULL, NULL, 0, 0},
+                          {"--json", &wish.json_file, NULL, NULL, 0, 0},
+                          {"--rows", &wish.rows_file, NULL, NULL, 0, 0}};
+  const options_result found =
+      options_parse(argc, argv, table, sizeof table / sizeof table[0], &wish.scene);
+  if (found == OPTIONS_HELP) {
+    print_usage(stdout);
+    return 0;
   }
-  if (wish == OPTIONS_WRONG) return 2;
-  if (key != NULL && log == NULL) {
-    fprintf(stderr, "fray bench: --key goes with --log\n");
-    return 2;
-  }
-  return file != NULL ? bench_scene(file, log, key, ticks, json) : bench_sheets(json);
+  const char *wrong = found == OPTIONS_GOOD ? contradiction(&wish) : NULL;
+  if (wrong != NULL) fprintf(stderr, "fray bench: %s\n", wrong);
+  if (found != OPTIONS_GOOD || wrong != NULL) return 2;
+  if (!wish.machine) return bench(&wish);
+  machine_print(stdout);
+  return 0;
 }

@@ -18,19 +18,23 @@ static void sort_rows(const fray_world *w, uint32_t *row_of) {
     row_of[fray_view_row(w, FRAY_STRUCTURAL, n).home] = n;
 }
 
+static void take_row(float_loop *f, const fray_world *w, uint32_t row, uint32_t held) {
+  const fray_row r = fray_view_row(w, FRAY_STRUCTURAL, row);
+  if (!r.alive || (r.i < held && r.j < held)) return;
+  f->i[f->rows] = r.i;
+  f->j[f->rows] = r.j;
+  f->rest[f->rows++] = (float)r.rest * 0x1p-24f;
+}
+
 static void take_rows(float_loop *f, const fray_world *w, const uint32_t *row_of,
                       float_order order) {
   const fray_sheet s = fray_view_sheet(w);
   const uint32_t rows = fray_describe(w).rows[FRAY_STRUCTURAL];
   const uint32_t held = fray_view_particles(w).held;
   for (uint32_t pass = 0; pass < (order == FLOAT_COLOURED ? 4u : 1u); ++pass)
-    for (uint32_t home = 0; home < rows; ++home) {
-      if (order == FLOAT_COLOURED && colour(s, home) != pass) continue;
-      const fray_row r = fray_view_row(w, FRAY_STRUCTURAL, row_of[home]);
-      if (r.i < held && r.j < held) continue;
-      f->i[f->rows] = r.i;
-      f->j[f->rows] = r.j;
-      f->rest[f->rows++] = (float)r.rest * 0x1p-24f;
+    for (uint32_t n = 0; n < rows; ++n) {
+      if (order == FLOAT_COLOURED && colour(s, n) != pass) continue;
+      take_row(f, w, order == FLOAT_BATCHED ? n : row_of[n], held);
     }
 }
 
@@ -45,14 +49,19 @@ int float_loop_open(float_loop *f, const fray_world *w, float_order order) {
   f->rows = 0;
   const int good = row_of && f->particles && f->i && f->j && f->rest;
   if (good) {
-    for (uint32_t n = 0; n < p.count; ++n)
-      f->particles[n] = (float_particle){(float)p.x[n] * 0x1p-24f, (float)p.y[n] * 0x1p-24f,
-                                         (float)p.z[n] * 0x1p-24f, n < p.held ? 0.0f : 1.0f};
+    float_loop_restore(f, w);
     sort_rows(w, row_of);
     take_rows(f, w, row_of, order);
   }
   free(row_of);
   return good;
+}
+
+void float_loop_restore(float_loop *f, const fray_world *w) {
+  const fray_particles p = fray_view_particles(w);
+  for (uint32_t n = 0; n < p.count; ++n)
+    f->particles[n] = (float_particle){(float)p.x[n] * 0x1p-24f, (float)p.y[n] * 0x1p-24f,
+                                       (float)p.z[n] * 0x1p-24f, n < p.held ? 0.0f : 1.0f};
 }
 
 void float_loop_sweep(float_loop *f) {

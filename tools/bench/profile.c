@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "tools/bench/profile.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { RUNS = 3, CHUNK = 25 /* ticks of one kernel, then of the next */ };
+
+typedef struct {
+  struct opened opened;
+  float *stage_ns; /* least of the runs: ticks x TIMED_COUNT */
+  float *tick_ns;  /* likewise */
+  uint32_t *work;
+  uint64_t projections;
+  double run_ns[RUNS];
+  uint64_t hash;
+} track;
+
+static uint32_t counted(const fray_work *k) {
+  return k->predictions + k->projections + k->springs + k->contacts + k->tear_tests + k->cuts;
+}
+
+static float less(float a, double b) { return (double)a < b ? a : (float)b; }
+
+static void run_tick(track *t, const fray_input *input, uint32_t tick, uint32_t run) {
+  fray_output out;
+  float *stage_ns = t->stage_ns + (size_t)tick * TIMED_COUNT;
+  memset(timed_ns, 0, sizeof timed_ns);
+  const double before = timed_now_ns();
+  timed_tick(t->opened.world, input, &out);
+  const double ns = timed_now_ns() - before;
+  t->run_ns[run] += ns;
+  t->tick_ns[tick] = less(t->tick_ns[tick], ns);
+  for (int n = 0; n < TIMED_COUNT; ++n) stage_ns[n] = less(stage_ns[n], timed_ns[n]);
+  t->work[tick] = counted(&out.work);
+  t->hash = out.hash;
+  if (run == 0) t->projections += out.work.projections;
+}
+
+static int open_track(track *t, uint32_t ticks) {
+  memset(t, 0, sizeof *t);
+  t->stage_ns = malloc((size_t)ticks * TIMED_COUNT * sizeof *t->stage_ns);
+  t->tick_ns = malloc(ticks * sizeof *t->tick_ns);
+  t->work = malloc(ticks * sizeof *t->work);
+  if (!t->stage_ns || !t->tick_ns || !t->work) return 0;
+  for (size_t n = 0; n < (size_t)ticks * TIMED_COUNT; ++n) t->stage_ns[n] = 1e9f;
+  for (uint32_t n = 0; n < ticks; ++n) t->tick_ns[n] = 1e9f;
+  return 1;
+}
+
+static void close_track(track *t) {
+  free(t->stage_ns);
+  free(t->tick_ns);
+  free(t->work);
+}
+
+/* Every kernel through all ticks once, from the start, in turns. */
+static int take_run(const session *s, const kernels *k, uint32_t ticks, track *tracks,
+                    uint32_t run) {
+  int good = 1;
+  for (uint32_t n = 0; n < k->count; ++n) {
+    good = good && world_again(&s->opened, &tracks[n].opened);
+    if (good) fray_use(tracks[n].opened.world, k->list[n]);
+  }
+  for (uint32_t first = 0; good && first < ticks; first += CHUNK)
+    for (uint32_t n = 0; n < k->count; ++n)
+      for (uint32_t tick = first; tick < ticks && tick < first + CHUNK; ++tick)
+        run_tick(&tracks[n], session_input(s, tick), tick, run);
+  for (uint32_t n = 0; n < k->count; ++n) world_close(&tracks[n].opened);
+  return good;
+}
+
+static int by_size(const void *a, const void *b) {
+  const uint32_t x = *(const uint32_t *)a;
+  const uint32_t y = *(const uint32_t *)b;
+  return (x > y) - (x < y);
+}
+
+static void sum_up(track *t, const session *s, uint32_t ticks, profile *p) {
+  double total = 0;
+  for (uint32_t tick = 0; tick < ticks; ++tick) {
+    const double ns = (double)t->tick_ns[tick];
+    total += ns;
+    if (ns > p->worst_ns) p->worst_ns = ns;
+    for (int n = 0; n < TIMED_COUNT; ++n)
+      p->stage_ns[n] += (double)t->stage_ns[(size_t)tick * TIMED_COUNT + (size_t)n] / ticks;
+  }
+  p->projection_ns = p->stage_ns[TIMED_STRAIN] * ticks / (double)t->projections;
+  p->ticks = ticks;
+  p->rate_hz = s->facts.rate_hz;
+  p->substeps = s->facts.substeps;
+  p->tick_ns = (spread){total / ticks, spread_of(t->run_ns, RUNS).median / ticks};
+  qsort(t->work, ticks, sizeof *t->work, by_size);
+  p->work_median = t->work[ticks / 2];
+  p->work_worst = t->work[ticks - 1];
+  p->hash = t->hash;
+}
+
+int profiles_take(const session *s, const kernels *k, uint32_t ticks, profile *profiles) {
+  track tracks[KERNELS_MAX];
+  int good = 1;
+  memset(profiles, 0, k->count * sizeof *profiles);
+  for (uint32_t n = 0; n < k->count; ++n) good &= open_track(&tracks[n], ticks);
+  for (uint32_t run = 0; good && run < RUNS; ++run) good = take_run(s, k, ticks, tracks, run);
+  for (uint32_t n = 0; n < k->count; ++n) {
+    profiles[n].kernel = k->list[n];
+    if (good) sum_up(&tracks[n], s, ticks, &profiles[n]);
+    close_track(&tracks[n]);
+  }
+  return good;
+}
+
+double profile_real_time(const profile *p) { return 1e9 / p->rate_hz / p->tick_ns.least; }

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Time of ticks by stage. A run is made several times, with the same inputs: of each tick and stage
+ * the least time counts, so that what interrupted one run is not in the figures. */
+#ifndef FRAY_BENCH_PROFILE_H
+#define FRAY_BENCH_PROFILE_H
+
+#include "tools/bench/kernels.h"
+#include "tools/bench/rounds.h"
+#include "tools/bench/timed_tick.h"
+#include "tools/session.h"
+
+typedef struct {
+  fray_kernel kernel;
+  uint32_t ticks, rate_hz, substeps;
+  spread tick_ns;               /* mean of a run's ticks: least tick by tick, median of the runs */
+  double worst_ns;              /* the slowest tick, of the least */
+  double stage_ns[TIMED_COUNT]; /* a tick */
+  double projection_ns;         /* the strain stage by its projections */
+  uint32_t work_median, work_worst; /* counted: sum of all kinds */
+  uint64_t hash;                /* after the last tick */
+} profile;
+
+/* One profile for each kernel. Returns 0 iff memory is out. */
+int profiles_take(const session *s, const kernels *k, uint32_t ticks, profile *profiles);
+double profile_real_time(const profile *p); /* how many times faster than real time */
+
+#endif

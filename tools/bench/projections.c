@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "tools/bench/projections.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "rt/stage/stage.h"
+#include "tools/bench/float_arrays.h"
+#include "tools/bench/float_loop.h"
+#include "tools/bench/float_records.h"
+#include "tools/bench/timed_tick.h"
+
+enum { ROUNDS = 41, ROWS_A_ROUND = 40000 };
+
+const char *const loop_names[LOOPS] = {"float plain", "float coloured", "float AVX2 by ids",
+                                       "float AVX2 in runs"};
+const char *const loop_keys[LOOPS] = {"float_plain", "float_coloured", "float_avx2_ids",
+                                      "float_avx2_runs"};
+
+typedef struct {
+  fray_world *world;
+  int32_t *start; /* x, then y, then z */
+  float_loop scalar[2];
+  float_records records;
+  float_arrays arrays;
+  uint32_t sweeps; /* a round */
+} contest;
+
+static size_t axis_bytes(const fray_world *w) {
+  return (size_t)w->params->particles * sizeof *w->x;
+}
+
+static void restore(const contest *c) {
+  fray_world *w = c->world;
+  const size_t count = (size_t)w->params->particles;
+  memcpy(w->x, c->start, axis_bytes(w));
+  memcpy(w->y, c->start + count, axis_bytes(w));
+  memcpy(w->z, c->start + 2 * count, axis_bytes(w));
+}
+
+static int keep_start(contest *c) {
+  const fray_world *w = c->world;
+  const size_t count = (size_t)w->params->particles;
+  c->start = malloc(3 * axis_bytes(w));
+  if (c->start == NULL) return 0;
+  memcpy(c->start, w->x, axis_bytes(w));
+  memcpy(c->start + count, w->y, axis_bytes(w));
+  memcpy(c->start + 2 * count, w->z, axis_bytes(w));
+  return 1;
+}
+
+static int open_loops(contest *c) {
+  int good = float_loop_open(&c->scalar[0], c->world, FLOAT_PLAIN);
+  good &= float_loop_open(&c->scalar[1], c->world, FLOAT_COLOURED);
+  good &= float_records_open(&c->records, c->world);
+  return good & float_arrays_open(&c->arrays, c->world);
+}
+
+static void close_loops(contest *c) {
+  float_loop_close(&c->scalar[0]);
+  float_loop_close(&c->scalar[1]);
+  float_records_close(&c->records);
+  float_arrays_close(&c->arrays);
+  free(c->start);
+}
+
+static double time_fray(contest *c, fray_kernel kernel) {
+  double ns = 0;
+  fray_use(c->world, kernel);
+  c->world->work.projections = 0;
+  for (uint32_t n = 0; n < c->sweeps; ++n) {
+    restore(c);
+    const double before = timed_now_ns();
+    strain_run(c->world);
+    ns += timed_now_ns() - before;
+  }
+  restore(c);
+  return ns / c->world->work.projections;
+}
+
+static void restore_loop(contest *c, float_loop_name name) {
+  if (name == LOOP_RECORDS)
+    float_records_restore(&c->records, c->world);
+  else if (name == LOOP_ARRAYS)
+    float_arrays_restore(&c->arrays, c->world);
+  else
+    float_loop_restore(&c->scalar[name], c->world);
+}
+
+static void sweep_loop(contest *c, float_loop_name name) {
+  if (name == LOOP_RECORDS)
+    float_records_sweep(&c->records);
+  else if (name == LOOP_ARRAYS)
+    float_arrays_sweep(&c->arrays);
+  else
+    float_loop_sweep(&c->scalar[name]);
+}
+
+static double time_loop(contest *c, float_loop_name name) {
+  double ns = 0;
+  for (uint32_t n = 0; n < c->sweeps; ++n) {
+    restore_loop(c, name);
+    const double before = timed_now_ns();
+    sweep_loop(c, name);
+    ns += timed_now_ns() - before;
+  }
+  return ns / ((double)c->sweeps * c->records.rows);
+}
+
+/* The scalar loops know nothing of batches: they run where no batch was made idle. */
+static int has_loop(const contest *c, uint32_t loop) {
+  if (loop == LOOP_PLAIN || loop == LOOP_COLOURED) return c->scalar[loop].rows == c->records.rows;
+  return float_avx2_able();
+}
+
+static void run_rounds(contest *c, const kernels *k, projection_times *t) {
+  double fray[KERNELS_MAX][ROUNDS];
+  double loop[LOOPS][ROUNDS];
+  for (uint32_t round = 0; round < ROUNDS; ++round) {
+    for (uint32_t n = 0; n < k->count; ++n) fray[n][round] = time_fray(c, k->list[n]);
+    for (uint32_t n = 0; n < LOOPS; ++n)
+      loop[n][round] = has_loop(c, n) ? time_loop(c, (float_loop_name)n) : 0;
+  }
+  for (uint32_t n = 0; n < k->count; ++n) t->fray[n] = spread_of(fray[n], ROUNDS);
+  for (uint32_t n = 0; n < LOOPS; ++n) t->loop[n] = spread_of(loop[n], ROUNDS);
+}
+
+int projections_time(fray_world *w, const kernels *k, projection_times *t) {
+  contest c;
+  memset(&c, 0, sizeof c);
+  memset(t, 0, sizeof *t);
+  c.world = w;
+  predict_run(w, 0);
+  int good = keep_start(&c);
+  good &= open_loops(&c);
+  t->rows = c.records.rows;
+  t->rows_in_runs = c.arrays.rows_in_runs;
+  good = good && t->rows > 0;
+  if (good) {
+    c.sweeps = ROWS_A_ROUND / t->rows + 1;
+    run_rounds(&c, k, t);
+  }
+  close_loops(&c);
+  return good;
+}
+
+static int is_run(const fray_world *w, const row_batch *b) {
+  int32_t runs = 1;
+  for (int32_t row = b->first + 1; row < b->first + b->count; ++row)
+    if (w->row_i[row] != w->row_i[row - 1] + 1u || w->row_j[row] != w->row_j[row - 1] + 1u) ++runs;
+  return b->count >= RUN_MEAN * runs;
+}
+
+uint32_t projections_keep_runs(struct opened *o) {
+  fray_world *w = o->world;
+  row_batch *batches = (row_batch *)(uintptr_t)w->batches; /* in o->image or o->memory: ours */
+  uint32_t rows = 0;
+  for (int32_t n = 0; n < w->params->link_batches; ++n) {
+    if (batches[n].held == BATCH_IDLE) continue;
+    if (is_run(w, &batches[n]))
+      rows += (uint32_t)batches[n].count;
+    else
+      batches[n].held = BATCH_IDLE;
+  }
+  return rows;
+}

@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What a bench of one scene found, and its three forms: for people, as JSON, and as rows of the
+ * tables of `make bench`. */
+#ifndef FRAY_BENCH_RESULT_H
+#define FRAY_BENCH_RESULT_H
+
+#include <stdio.h>
+
+#include "tools/bench/growth.h"
+#include "tools/bench/json.h"
+#include "tools/bench/profile.h"
+#include "tools/bench/projections.h"
+
+typedef struct {
+  const char *name;
+  uint32_t warps, wefts;
+  size_t memory_bytes;
+  kernels kernels;
+  profile profiles[KERNELS_MAX];
+  projection_times any;  /* all rows */
+  projection_times runs; /* rows in long runs alone; rows 0 where there are too few */
+} bench_result;
+
+/* Nanoseconds of a kernel by those of a loop, least by least; 0 where there is no such loop. */
+double result_ratio(const projection_times *t, uint32_t kernel, float_loop_name loop);
+double result_ratio_median(const projection_times *t, uint32_t kernel, float_loop_name loop);
+
+void result_print(FILE *out, const bench_result *r);
+void result_json(json *j, const bench_result *r);
+void result_rows(FILE *out, const bench_result *r);
+
+void growth_print(FILE *out, const growth *g);
+void growth_json(json *j, const growth *g);
+void growth_rows(FILE *out, const growth *g);
+
+void machine_print(FILE *out);
+void machine_json(json *j);
+
+#endif

@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Rows of Markdown tables, each behind the name of its table; tools/bench/bench.sh has the heads. */
+#include "tools/bench/result.h"
+
+#include <string.h>
+
+#include "tools/kernel.h"
+
+/* A file's name without folders and ending. */
+static int short_name(const char *name, const char **from) {
+  const char *slash = strrchr(name, '/');
+  *from = slash != NULL ? slash + 1 : name;
+  return (int)strcspn(*from, ".");
+}
+
+static double share(const profile *p, double ns) { return 100.0 * ns / p->tick_ns.least; }
+
+static void tick_row(FILE *out, const bench_result *r, const profile *p) {
+  const double strain = p->stage_ns[TIMED_STRAIN];
+  const double springs = p->stage_ns[TIMED_SPRINGS];
+  const double moves = p->stage_ns[TIMED_PREDICT] + p->stage_ns[TIMED_FINISH];
+  const double contacts = p->stage_ns[TIMED_GATHER] + p->stage_ns[TIMED_COLLIDE];
+  const double tears = p->stage_ns[TIMED_TEAR] + p->stage_ns[TIMED_CUT];
+  const double rest = p->tick_ns.least - strain - springs - moves - contacts - tears;
+  const char *name;
+  const int letters = short_name(r->name, &name);
+  fprintf(out,
+          "tick | %.*s, %u x %u | %u | %s | %.1f | %.2f | %.0f %% | %.0f %% | %.0f %% | %.0f %% |"
+          " %.0f %% | %.0f %% |\n",
+          letters, name, r->warps, r->wefts, p->substeps, kernel_name(p->kernel),
+          p->tick_ns.least / 1e3, profile_real_time(p), share(p, strain), share(p, springs), share(p, moves),
+          share(p, contacts), share(p, tears), share(p, rest));
+}
+
+static void put_ns(FILE *out, double ns) {
+  if (ns > 0)
+    fprintf(out, " %.2f |", ns);
+  else
+    fprintf(out, " - |");
+}
+
+static void projection_row(FILE *out, const bench_result *r, const projection_times *t,
+                           const char *which) {
+  const char *name;
+  const int letters = short_name(r->name, &name);
+  fprintf(out, "projection | %.*s%s | %u |", letters, name, which, t->rows);
+  for (uint32_t loop = 0; loop < LOOPS; ++loop) put_ns(out, t->loop[loop].least);
+  for (fray_kernel k = FRAY_KERNEL_SCALAR; k <= FRAY_KERNEL_NEON; ++k) {
+    uint32_t n = 0;
+    while (n < r->kernels.count && r->kernels.list[n] != k) ++n;
+    if (n == r->kernels.count) {
+      fprintf(out, " - |");
+    } else {
+      fprintf(out, " %.2f", t->fray[n].least);
+      if (t->loop[LOOP_RECORDS].least > 0)
+        fprintf(out, " (%.2f, %.2f)", result_ratio(t, n, LOOP_RECORDS),
+                result_ratio(t, n, LOOP_ARRAYS));
+      fprintf(out, " |");
+    }
+  }
+  fprintf(out, "\n");
+}
+
+void result_rows(FILE *out, const bench_result *r) {
+  for (uint32_t n = 0; n < r->kernels.count; ++n) tick_row(out, r, &r->profiles[n]);
+  projection_row(out, r, &r->any, "");
+  if (r->runs.rows > 0) projection_row(out, r, &r->runs, ", long runs alone");
+}
+
+void growth_rows(FILE *out, const growth *g) {
+  for (uint32_t n = 0; n < GROWTH_SIZES; ++n) {
+    const growth_point *p = &g->points[n];
+    const double crossings = (double)p->warps * p->wefts;
+    fprintf(out, "sweep | %.0f | %.1f | %.2f | %.1f |\n", crossings, p->tick_ns.least / 1e3,
+            p->tick_ns.least / crossings, (double)p->memory_bytes / crossings);
+  }
+  fprintf(out, "line %s: %.2f ns a crossing and tick, R2 %.5f\n", kernel_name(g->kernel),
+          g->least.slope, g->least.r2);
+}
