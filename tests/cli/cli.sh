@@ -241,4 +241,48 @@ wants 0 "$image" "$FRAY" bench "$image" --log "$keyed" --key "$key" --ticks 20
 wants 2 "--freshness, expected a value" "$FRAY" run "$image" --can can9 --key "$key" --freshness ''
 wants 2 "expected a name of at most 15 characters" "$FRAY" run "$image" --can a_name_too_long_
 wants 2 "--key go with --can" "$FRAY" hand -o "$cd_work/x.log" tests/cross/small.hand --key "$key"
+
+# ---- bench
+wants 2 "fray bench: --log goes with a scene" "$FRAY" bench --log "$log"
+wants 2 "fray bench: --sweep makes its own sheets" "$FRAY" bench "$image" --sweep
+wants 2 "fray bench: --sweep makes its own sheets" "$FRAY" bench --sweep --ticks 3
+wants 2 "fray bench: --machine says only" "$FRAY" bench "$image" --machine
+wants 2 "--ticks '0', expected a number from 1" "$FRAY" bench "$image" --ticks 0
+wants 2 "--kernel abacus: expected one that this build and this machine have: scalar" "$FRAY" bench "$image" --ticks 3 --kernel abacus
+wants 2 "--kernel abacus: expected" "$FRAY" bench --sweep --kernel abacus
+wants 2 "--json, expected a value" "$FRAY" bench "$image" --json
+wants 2 "none.scene: cannot be opened" "$FRAY" bench "$cd_work/none.scene"
+wants 2 "none.log: cannot be opened" "$FRAY" bench "$image" --log "$cd_work/none.log"
+wants 1 "such.json: cannot be written" "$FRAY" bench "$image" --ticks 3 --json "$cd_work/no/such.json"
+wants 1 "such.rows: cannot be written" "$FRAY" bench "$image" --ticks 3 --rows "$cd_work/no/such.rows"
+if [ -w /dev/full ]; then wants 1 "cannot be written" "$FRAY" bench "$image" --ticks 3 --json /dev/full; fi
+wants 0 "processors; " "$FRAY" bench --machine
+wants 0 "by stage          scalar" "$FRAY" bench "$image" --ticks 20 --kernel scalar
+wants 0 "ratio to float plain, coloured, AVX2 by ids, in runs" "$FRAY" bench "$image" --log "$log" --ticks 20 --json "$cd_work/b.json" --rows "$cd_work/b.rows"
+if grep -q '^tick | s, 8 x 8 | 8 | scalar |' "$cd_work/b.rows" && grep -q '^projection | s | ' "$cd_work/b.rows"; then pass; else fail "rows of a bench: $(cat "$cd_work/b.rows")"; fi
+# the same hash after 20 ticks as `fray run`, for every kernel
+"$FRAY" run "$image" --log "$log" --ticks 20 >"$cd_work/said"
+hash20=$(sed -n '$s/^hash \([0-9a-f]*\) .*/\1/p' "$cd_work/said")
+hashes=$(sed -n 's/^ *"hash": "\(.*\)"$/\1/p' "$cd_work/b.json" | sort -u)
+if [ "$hashes" = "$hash20" ]; then pass; else fail "bench ends with '$hashes', run with '$hash20'"; fi
+if have python3; then
+  if python3 - "$cd_work/b.json" >"$cd_work/said" 2>&1 <<'END'
+import json, sys
+b = json.load(open(sys.argv[1]))
+assert b["machine"] and b["compiler"] and b["processors"] >= 1
+(s,) = b["scenes"]
+assert s["ticks"] == 20 and s["warps"] == 8 and s["substeps"] == 8
+k = s["kernels"]["scalar"]
+assert abs(sum(k["stage_us"].values()) / k["tick_us"]["least"] - 1) < 0.2, k
+assert 0 < k["tick_us"]["least"] <= k["tick_us"]["median"] <= 20 * k["worst_tick_us"]
+p = s["projections"]
+for name in ("scalar", "float_plain", "float_coloured"):
+    assert 0 < p["ns"][name]["least"] <= p["ns"][name]["median"], name
+for name, r in p["ratios"]["scalar"]["ratio_to"].items():
+    assert abs(r["least"] * p["ns"][name]["least"] / p["ns"]["scalar"]["least"] - 1) < 0.01, name
+END
+  then pass; else fail "the JSON of a bench: $(cat "$cd_work/said")"; fi
+else
+  not_run "JSON of a bench" python3
+fi
 suite_end

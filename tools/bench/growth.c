@@ -10,7 +10,7 @@
 #include "tools/progress.h"
 
 /* Ticks of a round; before them come some that are not counted. */
-enum { ROUNDS = 5, WARM_UP = 2, TICKS_LEAST = 5, TICKS_MOST = 40, CROSSINGS_TIMED = 400000 };
+enum { ROUNDS = 9, WARM_UP = 2, TICKS_LEAST = 5, TICKS_MOST = 40, CROSSINGS_TIMED = 400000 };
 
 /* Twice as wide as high: 1k to 250k crossings. */
 static const uint32_t heights[GROWTH_SIZES] = {22, 32, 50, 71, 100, 158, 224, 274, 316, 354};
