@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Time of a tick and memory against the number of crossings, at fixed substeps, with a line laid
- * through the times by least squares. */
+ * through the times by least squares. Times are the thread's own: large sheets need longer than a
+ * busy machine leaves a process alone. */
 #ifndef FRAY_BENCH_GROWTH_H
 #define FRAY_BENCH_GROWTH_H
 

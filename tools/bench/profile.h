@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Time of ticks by stage. A run is made several times, with the same inputs: of each tick and stage
- * the least time counts, so that what interrupted one run is not in the figures. */
+ * the least time counts, so that what interrupted one run is not in the figures. Where another
+ * process took the processor within a tick, its time is that of the thread. */
 #ifndef FRAY_BENCH_PROFILE_H
 #define FRAY_BENCH_PROFILE_H
 

@@ -21,6 +21,7 @@ extern const char *const timed_labels[TIMED_COUNT];
 extern double timed_ns[TIMED_COUNT]; /* since the caller last cleared it */
 
 double timed_now_ns(void);
+double timed_cpu_ns(void); /* of this thread: stands still while others have its processor */
 void timed_tick(fray_world *world, const fray_input *input, fray_output *output);
 
 #endif
