@@ -113,6 +113,14 @@ static int has_loop(const contest *c, uint32_t loop) {
   return float_avx2_able();
 }
 
+/* Both of one round, microseconds apart: a machine that changes its speed changes both. */
+static double median_ratio(const double *fray, const double *loop) {
+  double ratios[ROUNDS];
+  for (uint32_t round = 0; round < ROUNDS; ++round)
+    ratios[round] = loop[round] > 0 ? fray[round] / loop[round] : 0;
+  return spread_of(ratios, ROUNDS).median;
+}
+
 static void run_rounds(contest *c, const kernels *k, projection_times *t) {
   double fray[KERNELS_MAX][ROUNDS];
   double loop[LOOPS][ROUNDS];
@@ -121,6 +129,8 @@ static void run_rounds(contest *c, const kernels *k, projection_times *t) {
     for (uint32_t n = 0; n < LOOPS; ++n)
       loop[n][round] = has_loop(c, n) ? time_loop(c, (float_loop_name)n) : 0;
   }
+  for (uint32_t n = 0; n < k->count; ++n)
+    for (uint32_t l = 0; l < LOOPS; ++l) t->ratio[n][l] = median_ratio(fray[n], loop[l]);
   for (uint32_t n = 0; n < k->count; ++n) t->fray[n] = spread_of(fray[n], ROUNDS);
   for (uint32_t n = 0; n < LOOPS; ++n) t->loop[n] = spread_of(loop[n], ROUNDS);
 }

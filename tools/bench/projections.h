@@ -12,6 +12,7 @@ typedef enum { LOOP_PLAIN, LOOP_COLOURED, LOOP_RECORDS, LOOP_ARRAYS, LOOPS } flo
 typedef struct {
   spread fray[KERNELS_MAX]; /* ns per projection, by place in `kernels` */
   spread loop[LOOPS];       /* 0 where the machine lacks it, or it cannot take these rows */
+  double ratio[KERNELS_MAX][LOOPS]; /* fray by loop within a round, median of the rounds; or 0 */
   uint32_t rows, rows_in_runs;
 } projection_times;
 

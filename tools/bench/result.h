@@ -21,10 +21,6 @@ typedef struct {
   projection_times runs; /* rows in long runs alone; rows 0 where there are too few */
 } bench_result;
 
-/* Nanoseconds of a kernel by those of a loop, least by least; 0 where there is no such loop. */
-double result_ratio(const projection_times *t, uint32_t kernel, float_loop_name loop);
-double result_ratio_median(const projection_times *t, uint32_t kernel, float_loop_name loop);
-
 void result_print(FILE *out, const bench_result *r);
 void result_json(json *j, const bench_result *r);
 void result_rows(FILE *out, const bench_result *r);

@@ -19,15 +19,10 @@ static void put_spread(json *j, const char *key, spread s, double scale) {
   json_end(j, '}');
 }
 
-static void put_ratios(json *j, const projection_times *t, uint32_t kernel) {
-  json_begin(j, "ratio_to", '{');
-  for (uint32_t loop = 0; loop < LOOPS; ++loop) {
-    if (t->loop[loop].least <= 0) continue;
-    json_begin(j, loop_keys[loop], '{');
-    json_number(j, "least", result_ratio(t, kernel, (float_loop_name)loop));
-    json_number(j, "median", result_ratio_median(t, kernel, (float_loop_name)loop));
-    json_end(j, '}');
-  }
+static void put_ratios(json *j, const char *kernel, const double *ratio) {
+  json_begin(j, kernel, '{');
+  for (uint32_t loop = 0; loop < LOOPS; ++loop)
+    if (ratio[loop] > 0) json_number(j, loop_keys[loop], ratio[loop]);
   json_end(j, '}');
 }
 
@@ -43,11 +38,8 @@ static void put_projections(json *j, const char *key, const bench_result *r,
     put_spread(j, kernel_name(r->kernels.list[n]), t->fray[n], 1);
   json_end(j, '}');
   json_begin(j, "ratios", '{');
-  for (uint32_t n = 0; n < r->kernels.count; ++n) {
-    json_begin(j, kernel_name(r->kernels.list[n]), '{');
-    put_ratios(j, t, n);
-    json_end(j, '}');
-  }
+  for (uint32_t n = 0; n < r->kernels.count; ++n)
+    put_ratios(j, kernel_name(r->kernels.list[n]), t->ratio[n]);
   json_end(j, '}');
   json_end(j, '}');
 }

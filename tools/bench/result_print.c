@@ -4,16 +4,6 @@
 #include "tools/bench/result.h"
 #include "tools/kernel.h"
 
-static double ratio(double fray, double loop) { return loop > 0 ? fray / loop : 0; }
-
-double result_ratio(const projection_times *t, uint32_t kernel, float_loop_name loop) {
-  return ratio(t->fray[kernel].least, t->loop[loop].least);
-}
-
-double result_ratio_median(const projection_times *t, uint32_t kernel, float_loop_name loop) {
-  return ratio(t->fray[kernel].median, t->loop[loop].median);
-}
-
 void machine_print(FILE *out) {
   const machine m = machine_here();
   fprintf(out, "%s, %ld processors; %s; fray %s\n", m.processor, m.processors, m.compiler,
@@ -26,7 +16,7 @@ static void print_projections(FILE *out, const bench_result *r, const projection
             t->fray[n].least, t->fray[n].median);
     for (uint32_t loop = 0; loop < LOOPS; ++loop)
       if (t->loop[loop].least > 0)
-        fprintf(out, " %6.2f", result_ratio(t, n, (float_loop_name)loop));
+        fprintf(out, " %6.2f", t->ratio[n][loop]);
       else
         fprintf(out, "      -");
     fprintf(out, "\n");

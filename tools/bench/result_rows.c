@@ -53,8 +53,8 @@ static void projection_row(FILE *out, const bench_result *r, const projection_ti
     } else {
       fprintf(out, " %.2f", t->fray[n].least);
       if (t->loop[LOOP_RECORDS].least > 0)
-        fprintf(out, " (%.2f, %.2f)", result_ratio(t, n, LOOP_RECORDS),
-                result_ratio(t, n, LOOP_ARRAYS));
+        fprintf(out, " (%.2f, %.2f)", t->ratio[n][LOOP_RECORDS],
+                t->ratio[n][LOOP_ARRAYS]);
       fprintf(out, " |");
     }
   }
