@@ -27,9 +27,9 @@ typedef struct {
 static void print_usage(FILE *out) {
   fprintf(out,
           "usage: fray bench [X.scene|X.img [--log IN.log [--key FILE]]] [options]\n\n"
-          "Time per projection next to float loops of the same links, from the same positions: one\n"
-          "link after the other, coloured, and eight at a time with AVX2, by ids and in runs. Time\n"
-          "and counted work per tick, by stage. Each kernel that this machine has, all in rounds.\n"
+          "Time per projection next to float loops of the same links, from the same positions:\n"
+          "one after the other, coloured, and eight at a time with AVX2, by ids and in runs.\n"
+          "Time and counted work per tick, by stage. Each kernel that this machine has.\n"
           "Without a scene: sheets of 41x41 to 320x160 that hang from their tops, 4 substeps.\n\n"
           "  --log IN.log     what drives the scene; --key FILE: of a recording under a key\n"
           "  --machine        says what figures belong to: processor and compiler\n"

@@ -273,7 +273,7 @@ assert b["machine"] and b["compiler"] and b["processors"] >= 1
 (s,) = b["scenes"]
 assert s["ticks"] == 20 and s["warps"] == 8 and s["substeps"] == 8
 k = s["kernels"]["scalar"]
-assert abs(sum(k["stage_us"].values()) / k["tick_us"]["least"] - 1) < 0.2, k
+assert 0.5 < sum(k["stage_us"].values()) / k["tick_us"]["least"] < 1.5, k
 assert 0 < k["tick_us"]["least"] <= k["tick_us"]["median"] <= 20 * k["worst_tick_us"]
 p = s["projections"]
 for name in ("scalar", "float_plain", "float_coloured"):

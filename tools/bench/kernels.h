@@ -17,7 +17,7 @@ typedef struct {
 int kernels_find(kernels *k, fray_world *world, const char *name);
 fray_kernel kernels_fastest(const kernels *k);
 
-/* A second world from the image of the first, as it was at its start. Returns 0 iff memory is out. */
+/* A second world from the image of the first, as it was at its start; 0 iff memory is out. */
 int world_again(const struct opened *from, struct opened *to);
 
 #endif

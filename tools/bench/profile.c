@@ -24,16 +24,17 @@ static uint32_t counted(const fray_work *k) {
 
 static float less(float a, double b) { return (double)a < b ? a : (float)b; }
 
-/* Takes `away_ns` that others had the processor off the stage in which they did: the longest, as one
- * turn of theirs is longer than any stage. Where that is not enough there were several, and nothing
- * is known. */
-static int mend_stages(double away_ns) {
+/* Takes what others had of the processor off the stage in which they had it: the longest, as a turn
+ * of theirs is longer than most stages. Where that is not enough there were several turns, and every
+ * stage is made shorter; returns 0 then, as that is a guess. */
+static int mend_stages(double wall_ns, double cpu_ns) {
   int longest = 0;
   for (int n = 1; n < TIMED_COUNT; ++n)
     if (timed_ns[n] > timed_ns[longest]) longest = n;
-  if (timed_ns[longest] < away_ns) return 0;
-  timed_ns[longest] -= away_ns;
-  return 1;
+  const int good = timed_ns[longest] > wall_ns - cpu_ns;
+  if (good) timed_ns[longest] -= wall_ns - cpu_ns;
+  for (int n = 0; !good && n < TIMED_COUNT; ++n) timed_ns[n] *= cpu_ns / wall_ns;
+  return good;
 }
 
 static void take_times(track *t, uint32_t tick, double ns) {
@@ -52,7 +53,7 @@ static void run_tick(track *t, const fray_input *input, uint32_t tick, uint32_t 
   const double cpu_ns = timed_cpu_ns() - cpu_before;
   const int interrupted = wall_ns > cpu_ns * INTERRUPTED;
   const double ns = interrupted ? cpu_ns : wall_ns;
-  const int known = !interrupted || mend_stages(wall_ns - cpu_ns);
+  const int known = !interrupted || mend_stages(wall_ns, cpu_ns);
   if (known || t->tick_ns[tick] == UNKNOWN_NS) take_times(t, tick, ns);
   t->run_ns[run] += ns;
   t->work[tick] = counted(&out.work);
@@ -131,6 +132,12 @@ int profiles_take(const session *s, const kernels *k, uint32_t ticks, profile *p
     close_track(&tracks[n]);
   }
   return good;
+}
+
+double profile_share(const profile *p, double ns) {
+  double all_ns = 0;
+  for (int n = 0; n < TIMED_COUNT; ++n) all_ns += p->stage_ns[n];
+  return 100 * ns / all_ns;
 }
 
 double profile_real_time(const profile *p) { return 1e9 / p->rate_hz / p->tick_ns.least; }

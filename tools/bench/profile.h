@@ -23,6 +23,7 @@ typedef struct {
 
 /* One profile for each kernel. Returns 0 iff memory is out. */
 int profiles_take(const session *s, const kernels *k, uint32_t ticks, profile *profiles);
+double profile_share(const profile *p, double ns); /* of all stages, in percent */
 double profile_real_time(const profile *p); /* how many times faster than real time */
 
 #endif

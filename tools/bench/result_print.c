@@ -38,8 +38,7 @@ static void print_stages(FILE *out, const bench_result *r) {
     fprintf(out, "    %-16s", timed_labels[n]);
     for (uint32_t k = 0; k < r->kernels.count; ++k) {
       const profile *p = &r->profiles[k];
-      fprintf(out, " %8.2f %4.1f %%", p->stage_ns[n] / 1e3,
-              100.0 * p->stage_ns[n] / p->tick_ns.least);
+      fprintf(out, " %8.2f %4.1f %%", p->stage_ns[n] / 1e3, profile_share(p, p->stage_ns[n]));
     }
     fprintf(out, "\n");
   }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rows of Markdown tables, each behind the name of its table; tools/bench/bench.sh has the heads. */
+/* Rows of Markdown tables, each behind the name of its table; tools/bench/bench.sh has the
+ * heads. */
 #include "tools/bench/result.h"
 
 #include <string.h>
@@ -13,23 +14,21 @@ static int short_name(const char *name, const char **from) {
   return (int)strcspn(*from, ".");
 }
 
-static double share(const profile *p, double ns) { return 100.0 * ns / p->tick_ns.least; }
-
 static void tick_row(FILE *out, const bench_result *r, const profile *p) {
-  const double strain = p->stage_ns[TIMED_STRAIN];
-  const double springs = p->stage_ns[TIMED_SPRINGS];
-  const double moves = p->stage_ns[TIMED_PREDICT] + p->stage_ns[TIMED_FINISH];
-  const double contacts = p->stage_ns[TIMED_GATHER] + p->stage_ns[TIMED_COLLIDE];
-  const double tears = p->stage_ns[TIMED_TEAR] + p->stage_ns[TIMED_CUT];
-  const double rest = p->tick_ns.least - strain - springs - moves - contacts - tears;
+  const double *ns = p->stage_ns;
+  const double shares[6] = {
+      ns[TIMED_STRAIN],
+      ns[TIMED_SPRINGS],
+      ns[TIMED_PREDICT] + ns[TIMED_FINISH],
+      ns[TIMED_GATHER] + ns[TIMED_COLLIDE],
+      ns[TIMED_TEAR] + ns[TIMED_CUT],
+      ns[TIMED_DEVICES] + ns[TIMED_DAMP] + ns[TIMED_FORCE] + ns[TIMED_REPORT]};
   const char *name;
   const int letters = short_name(r->name, &name);
-  fprintf(out,
-          "tick | %.*s, %u x %u | %u | %s | %.1f | %.2f | %.0f %% | %.0f %% | %.0f %% | %.0f %% |"
-          " %.0f %% | %.0f %% |\n",
-          letters, name, r->warps, r->wefts, p->substeps, kernel_name(p->kernel),
-          p->tick_ns.least / 1e3, profile_real_time(p), share(p, strain), share(p, springs), share(p, moves),
-          share(p, contacts), share(p, tears), share(p, rest));
+  fprintf(out, "tick | %.*s, %u x %u | %u | %s | %.1f | %.2f |", letters, name, r->warps, r->wefts,
+          p->substeps, kernel_name(p->kernel), p->tick_ns.least / 1e3, profile_real_time(p));
+  for (int n = 0; n < 6; ++n) fprintf(out, " %.0f %% |", profile_share(p, shares[n]));
+  fprintf(out, "\n");
 }
 
 static void put_ns(FILE *out, double ns) {
