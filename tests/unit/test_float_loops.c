@@ -182,8 +182,8 @@ static void orders_do_the_same(void) {
     float_loop_close(&loops[order]);
   }
   for (int order = 0; order < 3; ++order) CHECK(left[order] < 2 * left[(order + 1) % 3]);
-  printf("figure float_orders %.3f plain, %.3f coloured, %.3f batched of the strain are left (asked:"
-         " none twice another)\n",
+  printf("figure float_orders %.3f plain, %.3f coloured, %.3f batched of the strain are left"
+         " (asked: none twice another)\n",
          left[0], left[1], left[2]);
   fixture_close(&f);
 }

@@ -5,8 +5,10 @@
 #include <string.h>
 
 enum { RUNS = 3, CHUNK = 25 /* ticks of one kernel, then of the next */ };
+enum { EACH_SUBSTEP = 4, ONCE_A_TICK = TIMED_COUNT - EACH_SUBSTEP }; /* stages */
 #define UNKNOWN_NS 1e9f
 #define INTERRUPTED 1.05 /* the clock by the thread's own time */
+#define LONG_STAGE_NS 5e4 /* a look at the thread's own time is a system call, up to 1 us */
 
 typedef struct {
   struct opened opened;
@@ -16,6 +18,8 @@ typedef struct {
   uint64_t projections;
   double run_ns[RUNS];
   uint64_t hash;
+  uint32_t looks; /* at the clock in a tick */
+  int by_cpu; /* known after the first tick */
 } track;
 
 static uint32_t counted(const fray_work *k) {
@@ -24,9 +28,9 @@ static uint32_t counted(const fray_work *k) {
 
 static float less(float a, double b) { return (double)a < b ? a : (float)b; }
 
-/* Takes what others had of the processor off the stage in which they had it: the longest, as a turn
- * of theirs is longer than most stages. Where that is not enough there were several turns, and every
- * stage is made shorter; returns 0 then, as that is a guess. */
+/* Takes what others had of the processor off the stage in which they had it: the longest, as one
+ * turn of theirs is longer than most stages. Where that is not enough there were several turns, and
+ * every stage is made shorter; returns 0 then, as that is a guess. */
 static int mend_stages(double wall_ns, double cpu_ns) {
   int longest = 0;
   for (int n = 1; n < TIMED_COUNT; ++n)
@@ -46,6 +50,7 @@ static void take_times(track *t, uint32_t tick, double ns) {
 static void run_tick(track *t, const fray_input *input, uint32_t tick, uint32_t run) {
   fray_output out;
   memset(timed_ns, 0, sizeof timed_ns);
+  timed_by_cpu = t->by_cpu;
   const double cpu_before = timed_cpu_ns();
   const double before = timed_now_ns();
   timed_tick(t->opened.world, input, &out);
@@ -53,16 +58,18 @@ static void run_tick(track *t, const fray_input *input, uint32_t tick, uint32_t 
   const double cpu_ns = timed_cpu_ns() - cpu_before;
   const int interrupted = wall_ns > cpu_ns * INTERRUPTED;
   const double ns = interrupted ? cpu_ns : wall_ns;
-  const int known = !interrupted || mend_stages(wall_ns, cpu_ns);
+  const int known = !interrupted || t->by_cpu || mend_stages(wall_ns, cpu_ns);
   if (known || t->tick_ns[tick] == UNKNOWN_NS) take_times(t, tick, ns);
+  if (tick == 0) t->by_cpu = cpu_ns > LONG_STAGE_NS * t->looks;
   t->run_ns[run] += ns;
   t->work[tick] = counted(&out.work);
   t->hash = out.hash;
   if (run == 0) t->projections += out.work.projections;
 }
 
-static int open_track(track *t, uint32_t ticks) {
+static int open_track(track *t, uint32_t ticks, uint32_t substeps) {
   memset(t, 0, sizeof *t);
+  t->looks = ONCE_A_TICK + EACH_SUBSTEP * substeps;
   t->stage_ns = malloc((size_t)ticks * TIMED_COUNT * sizeof *t->stage_ns);
   t->tick_ns = malloc(ticks * sizeof *t->tick_ns);
   t->work = malloc(ticks * sizeof *t->work);
@@ -124,7 +131,7 @@ int profiles_take(const session *s, const kernels *k, uint32_t ticks, profile *p
   track tracks[KERNELS_MAX];
   int good = 1;
   memset(profiles, 0, k->count * sizeof *profiles);
-  for (uint32_t n = 0; n < k->count; ++n) good &= open_track(&tracks[n], ticks);
+  for (uint32_t n = 0; n < k->count; ++n) good &= open_track(&tracks[n], ticks, s->facts.substeps);
   for (uint32_t run = 0; good && run < RUNS; ++run) good = take_run(s, k, ticks, tracks, run);
   for (uint32_t n = 0; n < k->count; ++n) {
     profiles[n].kernel = k->list[n];

@@ -24,9 +24,12 @@ double timed_cpu_ns(void) { return clock_ns(CLOCK_THREAD_CPUTIME_ID); }
 
 /* One look at the clock a stage: a stage lasts from the end of the one before. */
 static double stage_began_ns;
+int timed_by_cpu;
+
+static double stage_clock_ns(void) { return timed_by_cpu ? timed_cpu_ns() : timed_now_ns(); }
 
 static void end_stage(timed_stage stage) {
-  const double now = timed_now_ns();
+  const double now = stage_clock_ns();
   timed_ns[stage] += now - stage_began_ns;
   stage_began_ns = now;
 }
@@ -40,6 +43,6 @@ static void end_stage(timed_stage stage) {
 #include "rt/run/step.c"
 
 void timed_tick(fray_world *world, const fray_input *input, fray_output *output) {
-  stage_began_ns = timed_now_ns();
+  stage_began_ns = stage_clock_ns();
   timed_step(world, input, output);
 }

@@ -22,6 +22,9 @@ extern double timed_ns[TIMED_COUNT]; /* since the caller last cleared it */
 
 double timed_now_ns(void);
 double timed_cpu_ns(void); /* of this thread: stands still while others have its processor */
+/* Stages by the thread's own time, which takes a system call a stage: for ticks so long that others
+ * come between. */
+extern int timed_by_cpu;
 void timed_tick(fray_world *world, const fray_input *input, fray_output *output);
 
 #endif
