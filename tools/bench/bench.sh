@@ -56,8 +56,8 @@ rows() { sed -n "s/^$1 //p" "$parts/rows"; }
   echo
   rows line | sed 's/^/Hanging sheets, 4 substeps, kernel /'
   echo
-  echo '| crossings | us a tick | ns a crossing | bytes a crossing |'
-  echo '|---|---|---|---|'
+  echo '| crossings | us a tick | ns a crossing | bytes a crossing | and in the image |'
+  echo '|---|---|---|---|---|'
   rows sweep
 } >"$out/bench.md"
 echo "$out/bench.json, $out/bench.md"

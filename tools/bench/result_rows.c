@@ -70,8 +70,9 @@ void growth_rows(FILE *out, const growth *g) {
   for (uint32_t n = 0; n < GROWTH_SIZES; ++n) {
     const growth_point *p = &g->points[n];
     const double crossings = (double)p->warps * p->wefts;
-    fprintf(out, "sweep | %.0f | %.1f | %.2f | %.1f |\n", crossings, p->tick_ns.least / 1e3,
-            p->tick_ns.least / crossings, (double)p->memory_bytes / crossings);
+    fprintf(out, "sweep | %.0f | %.1f | %.2f | %.1f | %.1f |\n", crossings, p->tick_ns.least / 1e3,
+            p->tick_ns.least / crossings, (double)p->memory_bytes / crossings,
+            (double)p->image_bytes / crossings);
   }
   fprintf(out, "line %s: %.2f ns a crossing and tick, R2 %.5f\n", kernel_name(g->kernel),
           g->least.slope, g->least.r2);
