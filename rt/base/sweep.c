@@ -26,7 +26,7 @@ enum {
   NODES = 60, /* intervals whose coefficients are looked at */
   LOOKS = 6,  /* directions that are tried */
   CUBIC_BITS = 29,
-  CUBIC_ROUNDING = 2 + 2 * DEPTH, /* of a coefficient: by the first shift, by 3 halvings a level */
+  CUBIC_ROUNDING = 2 + 2 * DEPTH, /* by the first shift, and by 3 halves a level */
   AWAY_BITS = 16,
   NEVER = SWEEP_ONE + 1 /* no contact until after the end */
 };
@@ -82,6 +82,11 @@ static int side_of(const int32_t c[4], int32_t margin) {
   return 0;
 }
 
+/* v * 2^up, below 2^63, in CUBIC_BITS bits and a sign; rounded down. */
+static inline int32_t cubic_word(int64_t v, unsigned up) {
+  return (int32_t)fx_asr64((int64_t)((uint64_t)v << up), 63 - CUBIC_BITS);
+}
+
 /* Fills the first piece and returns the margin, or -1 where the cubic is never within it. */
 static int32_t make_cubic(const moving *m, piece *p) {
   const facet *f0 = &m->coarse_begin;
@@ -98,8 +103,8 @@ static int32_t make_cubic(const moving *m, piece *p) {
   uint32_t longest = length_most(n0);
   if (length_most(n2) > longest) longest = length_most(n2);
   if (length_most(half) + 2u > longest) longest = length_most(half) + 2u;
-  /* thickness rounded up and 2.6, times 3 as the coefficients */
-  const uint32_t near = ((uint32_t)m->thickness >> m->shift) + 4u;
+  /* thickness rounded up and 2.6, or both exact; times 3 as the coefficients */
+  const uint32_t near = ((uint32_t)m->thickness >> m->shift) + (m->shift > 0 ? 4u : 0);
   const int64_t margin = (int64_t)fx_mul_wide_u(longest, 3u * near);
   uint64_t span = (uint64_t)margin;
   int above = 1;
@@ -110,13 +115,12 @@ static int32_t make_cubic(const moving *m, piece *p) {
     span |= (uint64_t)(c[n] ^ fx_asr64(c[n], 63));
   }
   if (above || below) return -1;
-  const unsigned width = span == 0 ? 0 : 64u - fx_leading_zeros64(span);
-  const unsigned shift = width > CUBIC_BITS ? width - CUBIC_BITS : 0;
-  for (uint32_t n = 0; n < 4; ++n)
-    p->c[n] = (int32_t)(shift == 0 ? c[n] : fx_asr64(c[n], shift));
+  /* to the top of 64 bits, the upper word of which is taken to CUBIC_BITS */
+  const unsigned up = span == 0 ? 0 : fx_leading_zeros64(span) - 1u;
+  for (uint32_t n = 0; n < 4; ++n) p->c[n] = cubic_word(c[n], up);
   p->first = 0;
   p->width = SWEEP_ONE;
-  return (int32_t)(margin >> shift) + CUBIC_ROUNDING;
+  return cubic_word(margin, up) + CUBIC_ROUNDING;
 }
 
 /* Halves a piece by de Casteljau's scheme: the left half stays, the right one goes to `right`. */

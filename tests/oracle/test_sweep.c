@@ -5,233 +5,12 @@
 
 #include "rt/base/sweep.h"
 #include "tests/lib/test.h"
+#include "tests/oracle/pairs.h"
 #include "tests/oracle/touching.h"
 
-static uint64_t seed = 0x2545F4914F6CDD1Du;
-static uint64_t next(void) {
-  uint64_t v = seed += 0x9E3779B97F4A7C15u;
-  v = (v ^ (v >> 30)) * 0xBF58476D1CE4E5B9u;
-  v = (v ^ (v >> 27)) * 0x94D049BB133111EBu;
-  return v ^ (v >> 31);
-}
-static int32_t upto(int32_t most) { /* -most..most */
-  return (int32_t)(next() % (2u * (uint64_t)most + 1u)) - most;
-}
-static uint32_t below(uint32_t n) { return (uint32_t)(next() % n); }
-static int32_t hold(int64_t v) { return (int32_t)fx_clamp64(v, -FX_WORLD_MAX, FX_WORLD_MAX); }
-
-static vec3 anywhere(int32_t most) { return vec_make(upto(most), upto(most), upto(most)); }
-static vec3 plus(vec3 a, vec3 b, int32_t times) {
-  return vec_make(hold(a.x + (int64_t)times * b.x), hold(a.y + (int64_t)times * b.y),
-                  hold(a.z + (int64_t)times * b.z));
-}
-static vec3 plus_all(vec3 a, vec3 b) { return plus(a, b, 1); }
-
-/* A size from 1 to the world's, each power of two alike. */
-static int32_t any_size(void) {
-  const int32_t size = (int32_t)1 << below(30);
-  return size + (int32_t)below((uint32_t)size) < FX_WORLD_MAX ? size + (int32_t)below((uint32_t)size)
-                                                                : FX_WORLD_MAX;
-}
-
-typedef void family(sweep_point p[4], int triangle);
-
-static void moved_by(sweep_point p[4], int32_t most) {
-  for (uint32_t n = 0; n < 4; ++n) p[n].end = plus_all(p[n].begin, anywhere(most));
-}
-
-static void uniform(sweep_point p[4], int triangle) {
-  const int32_t size = any_size();
-  (void)triangle;
-  for (uint32_t n = 0; n < 4; ++n) {
-    p[n].begin = anywhere(size);
-    p[n].end = anywhere(size);
-  }
-}
-/* Edges of 1/12 lu near each other that move by some hundredths of it, as in a substep. */
-static void cloth(sweep_point p[4], int triangle) {
-  const vec3 centre = anywhere(50 * FX_LU);
-  (void)triangle;
-  for (uint32_t n = 0; n < 4; ++n) p[n].begin = plus_all(centre, anywhere(FX_LU / 16));
-  moved_by(p, FX_LU / 400);
-}
-/* The same in hard motion: all move together by much, apart by as much as the size. */
-static void thrown(sweep_point p[4], int triangle) {
-  const vec3 way_of_all = anywhere(FX_LU * 2);
-  cloth(p, triangle);
-  for (uint32_t n = 0; n < 4; ++n)
-    p[n].end = plus_all(plus_all(p[n].begin, way_of_all), anywhere(FX_LU / 16));
-}
-static void lattice(sweep_point p[4], int triangle) {
-  const int32_t most = 1 + (int32_t)below(3);
-  (void)triangle;
-  for (uint32_t n = 0; n < 4; ++n) {
-    p[n].begin = anywhere(most);
-    p[n].end = anywhere(most);
-  }
-}
-static void large_lattice(sweep_point p[4], int triangle) {
-  const int32_t unit = FX_WORLD_MAX / 3;
-  lattice(p, triangle);
-  for (uint32_t n = 0; n < 4; ++n) {
-    p[n].begin = plus(vec_make(0, 0, 0), p[n].begin, unit);
-    p[n].end = plus(vec_make(0, 0, 0), p[n].end, unit);
-    if (below(2) == 0) p[n].end = plus_all(p[n].end, anywhere(1));
-  }
-}
-static void in_a_plane(sweep_point p[4], int triangle) {
-  const int32_t size = below(2) == 0 ? any_size() : 3;
-  const int32_t height[2] = {upto(size), upto(size)};
-  (void)triangle;
-  for (uint32_t n = 0; n < 4; ++n) {
-    p[n].begin = anywhere(size);
-    p[n].end = anywhere(size);
-    p[n].begin.z = height[0];
-    p[n].end.z = height[1];
-  }
-}
-/* Edges that stay parallel; a point that stays in the plane of a triangle, or above it. */
-static void parallel(sweep_point p[4], int triangle) {
-  const int32_t size = any_size() / 16 + 1;
-  const vec3 along = anywhere(size);
-  const vec3 other = triangle ? anywhere(size) : along;
-  for (uint32_t n = 0; n < 2; ++n) {
-    vec3 *at[4];
-    for (uint32_t k = 0; k < 4; ++k) at[k] = n == 0 ? &p[k].begin : &p[k].end;
-    *at[0] = anywhere(below(2) == 0 ? size : 1);
-    *at[1] = triangle ? plus(*at[0], along, upto(2)) : plus(*at[0], along, upto(3));
-    *at[2] = below(2) == 0 ? plus(*at[0], along, upto(3)) : anywhere(below(2) == 0 ? size : 1);
-    *at[3] = plus(*at[2], other, upto(3));
-    if (below(4) == 0) *at[3] = plus_all(*at[3], anywhere(1));
-  }
-}
-/* Edges of length 0, triangles of area 0 and points. */
-static void flat(sweep_point p[4], int triangle) {
-  if (below(2) == 0)
-    lattice(p, triangle);
-  else
-    uniform(p, triangle);
-  const uint32_t same = below(4);
-  if (same != 0) p[3] = p[2];
-  if (same == 1) p[1] = p[triangle ? 2 : 0];
-  if (same == 2) {
-    p[1].begin = plus(p[2].begin, vec_sub(vec_make(1, 1, 1), vec_make(0, 0, 0)), upto(3));
-    p[1].end = plus(p[2].end, vec_make(1, 1, 1), upto(3));
-  }
-}
-
-/* Four points that touch: both edges through x, or the point x in the triangle. Then each is moved
- * by one step in one of two. */
-static void at_once(vec3 at[4], int triangle, int32_t size) {
-  const vec3 x = anywhere(size);
-  const vec3 a = anywhere(size / 4 + 1);
-  const vec3 b = anywhere(size / 4 + 1);
-  if (triangle) {
-    const int32_t u = (int32_t)below(4);
-    const int32_t v = (int32_t)below(4);
-    at[0] = x;
-    at[1] = plus(x, a, u);
-    at[2] = plus(x, b, v);
-    at[3] = plus(plus(x, a, -1), b, -1);
-  } else {
-    at[0] = plus(x, a, (int32_t)below(4));
-    at[1] = plus(x, a, -(int32_t)below(4));
-    at[2] = plus(x, b, (int32_t)below(4));
-    at[3] = plus(x, b, -(int32_t)below(4));
-  }
-  if (below(2) == 0) return;
-  const uint32_t n = below(4);
-  at[n] = plus_all(at[n], anywhere(1));
-}
-static void touch_then(sweep_point p[4], int triangle, int at_end) {
-  const int32_t size = below(4) == 0 ? 2 : any_size() / 4 + 1;
-  const int32_t way_of_all = below(2) == 0 ? size : size / 64 + 1;
-  vec3 at[4];
-  at_once(at, triangle, size);
-  for (uint32_t n = 0; n < 4; ++n) {
-    const vec3 other = plus_all(at[n], anywhere(way_of_all));
-    p[n].begin = at_end ? other : at[n];
-    p[n].end = at_end ? at[n] : other;
-  }
-}
-static void touch_at_begin(sweep_point p[4], int triangle) { touch_then(p, triangle, 0); }
-static void touch_at_end(sweep_point p[4], int triangle) { touch_then(p, triangle, 1); }
-/* Halfway: begin = middle - d, end = middle + d, which holds the middle for any d. */
-static void touch_halfway(sweep_point p[4], int triangle) {
-  const int32_t size = below(4) == 0 ? 2 : any_size() / 8 + 1;
-  const int32_t way_of_all = below(2) == 0 ? size : size / 64 + 1;
-  vec3 at[4];
-  at_once(at, triangle, size);
-  for (uint32_t n = 0; n < 4; ++n) {
-    const vec3 d = anywhere(way_of_all);
-    p[n].begin = plus(at[n], d, -1);
-    p[n].end = plus(at[n], d, 1);
-  }
-}
-/* Edges that have an end in common all the time, or part; a point that is a corner. */
-static void chained(sweep_point p[4], int triangle) {
-  uniform(p, triangle);
-  p[2] = p[triangle ? 0 : 1];
-  const uint32_t kind = below(3);
-  if (kind == 0) p[2].begin = plus_all(p[2].begin, anywhere(1));
-  if (kind == 1) p[2].end = plus_all(p[2].end, anywhere(1));
-}
-/* An edge that comes along a line to another's end and goes back: two roots, or one of even order. */
-static void grazing(sweep_point p[4], int triangle) {
-  const int32_t size = any_size() / 64 + 8;
-  const vec3 centre = anywhere(FX_WORLD_MAX / 2);
-  (void)triangle;
-  for (uint32_t n = 0; n < 4; ++n) p[n].begin = plus_all(centre, anywhere(size));
-  moved_by(p, size);
-  p[0].end = plus_all(p[1].begin, anywhere(2));
-  p[1].end = plus_all(p[0].begin, anywhere(2));
-  p[3].end = plus_all(p[3].begin, anywhere(2));
-  p[2].end = plus_all(p[2].begin, anywhere(2));
-}
-static void edges_of_the_world(sweep_point p[4], int triangle) {
-  (void)triangle;
-  for (uint32_t n = 0; n < 24; ++n) {
-    const uint32_t kind = below(6);
-    const int32_t v = kind < 2 ? FX_WORLD_MAX - (int32_t)below(3)
-                               : (kind < 4 ? -FX_WORLD_MAX + (int32_t)below(3)
-                                           : (kind == 4 ? upto(2) : upto(FX_WORLD_MAX)));
-    vec3 *at = n < 12 ? &p[n / 3].begin : &p[(n - 12) / 3].end;
-    int32_t *to[3] = {&at->x, &at->y, &at->z};
-    *to[n % 3] = v;
-  }
-}
-
-typedef struct {
-  const char *name;
-  family *make;
-  uint32_t pairs;
-} family_row;
-
-#ifndef SWEEP_SCALE
-#define SWEEP_SCALE 1
+#ifndef SWEEP_FEWER
+#define SWEEP_FEWER 1
 #endif
-static const family_row families[] = {
-    {"uniform", uniform, 300000 / SWEEP_SCALE},
-    {"cloth", cloth, 400000 / SWEEP_SCALE},
-    {"thrown", thrown, 300000 / SWEEP_SCALE},
-    {"lattice", lattice, 40000 / SWEEP_SCALE},
-    {"large_lattice", large_lattice, 40000 / SWEEP_SCALE},
-    {"in_a_plane", in_a_plane, 20000 / SWEEP_SCALE},
-    {"parallel", parallel, 40000 / SWEEP_SCALE},
-    {"flat", flat, 40000 / SWEEP_SCALE},
-    {"touch_at_begin", touch_at_begin, 40000 / SWEEP_SCALE},
-    {"touch_at_end", touch_at_end, 40000 / SWEEP_SCALE},
-    {"touch_halfway", touch_halfway, 40000 / SWEEP_SCALE},
-    {"chained", chained, 40000 / SWEEP_SCALE},
-    {"grazing", grazing, 40000 / SWEEP_SCALE},
-    {"edges_of_the_world", edges_of_the_world, 40000 / SWEEP_SCALE},
-};
-enum { FAMILIES = sizeof families / sizeof families[0] };
-
-static int sweep(const sweep_point p[4], int triangle, int32_t thickness, sweep_contact *c) {
-  return triangle ? sweep_point_triangle(&p[0], &p[1], thickness, c)
-                  : sweep_edges(&p[0], &p[2], thickness, c);
-}
 
 /* The ways from t = 0 to t = time / 2^15, in 2^-15 of a step of position, so that they are whole. */
 static void ways_until(way w[4], const sweep_point p[4], int32_t time) {
@@ -260,14 +39,14 @@ static void try_family(const family_row *row, int triangle) {
   uint32_t reported = 0;
   uint32_t missed = 0;
   uint32_t late = 0;
-  for (uint32_t n = 0; n < row->pairs; ++n) {
+  for (uint32_t n = 0; n < row->pairs / SWEEP_FEWER; ++n) {
     sweep_point p[4];
     way w[4];
     sweep_contact c;
     row->make(p, triangle);
     ways_until(w, p, SWEEP_ONE);
     const int is = touching(w, triangle);
-    const int says = sweep(p, triangle, 0, &c);
+    const int says = sweep_pair(p, triangle, 0, &c);
     found += (uint32_t)is;
     reported += (uint32_t)says;
     if (is && !says && missed++ < 3) print_pair("missed", p, triangle);
@@ -276,13 +55,13 @@ static void try_family(const family_row *row, int triangle) {
     if (touching(w, triangle) && late++ < 3) print_pair("late", p, triangle);
   }
   printf("figure sweep_%s_%s %u pairs, %u touch, %u missed, %u late, %u false alarms\n",
-         triangle ? "triangle" : "edges", row->name, row->pairs, found, missed, late,
+         triangle ? "triangle" : "edges", row->name, row->pairs / SWEEP_FEWER, found, missed, late,
          reported - found + missed);
   missed_all += missed;
   late_all += late;
   true_all += found;
   false_all += reported - found + missed;
-  pairs_all += row->pairs;
+  pairs_all += row->pairs / SWEEP_FEWER;
 }
 
 static void no_touch_is_missed(void) {

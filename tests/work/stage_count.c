@@ -6,6 +6,8 @@
  *
  *   -plugin libstage_count.so,symbols=FILE,out=FILE     symbols: `address size name` a line, as nm -S
  *
+ * With `,plain=1` a program needs no stages, and a line is the instructions since the last one.
+ *
  * The few functions of the interface that are used are declared here, so that no header is needed. */
 #include <stdbool.h>
 #include <stdint.h>
@@ -44,6 +46,7 @@ static uint64_t executed, since;
 static uint64_t spent[PLACES];
 static unsigned place = OUTSIDE;
 static FILE *out;
+static int plain;
 
 static void move_to(unsigned next) {
   spent[place] += executed - since;
@@ -61,7 +64,8 @@ static void marked(unsigned cpu, void *data) {
   (void)cpu;
   (void)data;
   move_to(OUTSIDE);
-  for (unsigned n = 0; n < STAGES; ++n) fprintf(out, "%s%llu", n > 0 ? " " : "", (unsigned long long)spent[n]);
+  if (plain) fprintf(out, "%llu", (unsigned long long)spent[OUTSIDE]);
+  for (unsigned n = 0; n < STAGES && !plain; ++n) fprintf(out, "%s%llu", n > 0 ? " " : "", (unsigned long long)spent[n]);
   fprintf(out, "\n");
   memset(spent, 0, sizeof spent);
 }
@@ -103,13 +107,15 @@ static int read_symbols(const char *path) {
       }
   }
   fclose(f);
-  return mark != 0 && found == STAGES;
+  return mark != 0 && (plain || found == STAGES);
 }
 
 int qemu_plugin_install(uint64_t id, const void *info, int argc, char **argv) {
   const char *symbols = "";
   (void)info;
   out = stdout;
+  for (int n = 0; n < argc; ++n)
+    if (strcmp(argv[n], "plain=1") == 0) plain = 1;
   for (int n = 0; n < argc; ++n) {
     if (strncmp(argv[n], "symbols=", 8) == 0) symbols = argv[n] + 8;
     if (strncmp(argv[n], "out=", 4) == 0) out = fopen(argv[n] + 4, "w");

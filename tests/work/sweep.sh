@@ -1,0 +1,55 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# sweep.sh: instructions of continuous collisions (rt/base/sweep.h) on small targets, by family of
+# pairs (tests/oracle/pairs.h), and the bound of any call, from the longest paths of the compiled code.
+# MACHINES="m3 rv32" picks.
+. tests/lib/suite.sh
+
+work=$FRAY_BUILD/work
+machines=${MACHINES:-m0 m3 rv32}
+mkdir -p "$work"
+suite_make BUILD="$FRAY_BUILD" "$FRAY_BUILD/tests/work/longest"
+${CC:-cc} -std=c11 -O2 -Wall -Wextra -Werror -shared -fPIC tests/work/stage_count.c \
+  -o "$work/stage_count.so"
+
+count() { # MACHINE
+  elf=$work/sweep_$1.elf
+  sh tests/target/target.sh build "$1" -O2 "$elf" -g tests/work/sweep_main.c \
+    tests/target/port_bare.c rt/base/*.c || return 1
+  case $1 in rv32) tools=riscv64-unknown-elf ;; *) tools=arm-none-eabi ;; esac
+  $tools-nm -S "$elf" | awk 'NF == 4 { print $1, $2, $4 }' >"$work/sweep_$1.symbols"
+  sh tests/target/target.sh run "$1" "$elf" >"$work/sweep_$1.lines" -plugin \
+    "$work/stage_count.so,plain=1,symbols=$work/sweep_$1.symbols,out=$work/sweep_$1.counts" || return 1
+  $tools-objdump -d -l --no-show-raw-insn "$elf" >"$work/sweep_$1.dis"
+}
+
+for machine in $machines; do
+  if ! packages=$(sh tests/target/target.sh needs "$machine"); then
+    not_run "sweep on $machine" "$packages"
+  elif ! count "$machine"; then
+    fail "sweep on $machine: it does not build or run: $(tail -n 3 "$work/sweep_$machine.lines")"
+  else
+    pass
+    awk -v machine="$machine" '
+      FNR == NR { if (FNR % 2 == 0) spent[++pieces] = $1; next }
+      $3 == "none" || $3 == "contact" {
+        k = $1 " " $2
+        if (!(k in seen)) { seen[k] = 1; name[++names] = k }
+        v = spent[++line]
+        calls[k, $3]++; sum[k, $3] += v; sum[k] += v; calls[k]++
+        if (v > most[k, $3]) most[k, $3] = v
+        if (v > worst) worst = v
+      }
+      END {
+        printf "  %s, instructions: %-28s %5s | %5s %7s | %5s %7s\n", machine, "family", "mean", "none", "worst", "hit", "worst"
+        for (n = 1; n <= names; n++) {
+          k = name[n]
+          printf "  %-46s %5d | %5d %7d | %5d %7d\n", k, sum[k] / calls[k], \
+            calls[k, "none"] ? sum[k, "none"] / calls[k, "none"] : 0, most[k, "none"], \
+            calls[k, "contact"] ? sum[k, "contact"] / calls[k, "contact"] : 0, most[k, "contact"]
+        }
+        print "  worst seen " worst
+      }' "$work/sweep_$machine.counts" "$work/sweep_$machine.lines"
+  fi
+done
+suite_end

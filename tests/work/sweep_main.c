@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the sweeps of tests/oracle's families cost on a small target: one line `NAME found` for each call
+ * between two marks. Thickness: none, and where the name ends in _thick 1/50 lu. */
+#include "tests/cross/cases.h"
+#include "tests/cross/line.h"
+#include "tests/oracle/pairs.h"
+
+enum { CALLS = 300 };
+
+void work_mark(void);
+__attribute__((noinline)) void work_mark(void) { __asm__ volatile("" ::: "memory"); }
+
+static void count_family(const family_row *row, int triangle, int32_t thickness) {
+  line l = {{0}, 0};
+  for (uint32_t n = 0; n < CALLS; ++n) {
+    sweep_point p[4];
+    sweep_contact c;
+    row->make(p, triangle);
+    work_mark();
+    const int found = sweep_pair(p, triangle, thickness, &c);
+    work_mark();
+    add_text(&l, row->name);
+    add_text(&l, thickness != 0 ? "_thick" : "");
+    add_text(&l, triangle ? " triangle" : " edges");
+    add_text(&l, found ? " contact" : " none");
+    print_line(&l);
+  }
+}
+
+int main(void) {
+  for (uint32_t n = 0; n < FAMILIES; ++n)
+    for (int triangle = 0; triangle < 2; ++triangle) {
+      count_family(&families[n], triangle, 0);
+      if (n >= 1 && n <= 2) count_family(&families[n], triangle, FX_LU / 50);
+    }
+  port_print("end\n");
+  return 0;
+}
