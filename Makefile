@@ -88,7 +88,7 @@ test: $(FRAY) $(TESTS) $(HELPERS) $(IMAGE_16) $(FX_NARROW) ## run every test; SU
 	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) SUITES="$(SUITES)" \
 	  sh tests/run_all.sh $(TESTS) $(IMAGE_16) $(FX_NARROW)
 
-SANITIZE := -fno-sanitize-recover=all -fno-omit-frame-pointer
+SANITIZE := -fno-sanitize-recover=all -fno-omit-frame-pointer -DSWEEP_FEWER=10
 san: ## every test program and the command, under sanitizers of gcc and clang
 	$(MAKE) test SUITES=cli BUILD=build-san-gcc CC=gcc OPT=-O2 EXTRA="-fsanitize=address,undefined $(SANITIZE)"
 	$(MAKE) test SUITES=cli BUILD=build-san-clang CC=clang OPT=-O2 EXTRA="-fsanitize=address,undefined $(SANITIZE)"

@@ -7,15 +7,18 @@
  * 2. The plane of the facet is too far from the origin: the cubic f(t) = corner . (a x b), in
  *    Bernstein form, is above a margin on all of an interval because its four coefficients are.
  *    The facet is rounded to 14 bits, each component by at most 1/2; a point of it is corner + u a
- *    + v b, off by at most 3/2 a component, below 2.6 in length. So where the true facet comes within h
- *    of the origin, |f| <= (h + 2.6) |a x b|, and |a x b| is at most the longest of the three
- *    Bernstein coefficients of a x b. Halving intervals gives the least time not excluded.
- * 3. There, the direction from the origin to the nearest point of the facet separates the two. It is
- *    any vector, so its errors do not matter: along it each corner moves on a straight line, exact
- *    in Q24, and is apart until a time that a division gives, rounded down.
+ *    + v b, off by at most 3/2 a component, below 2.6 in length. So where the true facet comes
+ *    within h of the origin, |f| <= (h + 2.6) |a x b|, and |a x b| is at most the longest of the
+ *    three Bernstein coefficients of a x b. Halving intervals gives the least time not excluded.
+ * 3. There, the direction from the origin to the nearest point of the facet separates the two. It
+ *    is any vector, so its errors do not matter: along it each corner moves on a straight line,
+ *    exact in Q24, and is apart until a time that a division gives, rounded down.
  *
- * If 3. passes less than SHORTEST the time is that of a contact. When NODES or LOOKS are used up the
- * rest counts as one: work is bounded, and no contact is missed. */
+ * If 3. passes less than SHORTEST the time is that of a contact. When HALVINGS or LOOKS are used up
+ * the rest counts as one: work is bounded, and no contact is missed.
+ *
+ * Of no use are a direction with less than 2^-14 of the extent of the pair between the two, and a
+ * thickness below that: such pairs are reported as if they were that much thicker. */
 #include "rt/base/sweep.h"
 
 #include "rt/base/facet.h"
@@ -23,8 +26,8 @@
 enum {
   DEPTH = 12, /* halvings of the step */
   SHORTEST = SWEEP_ONE >> DEPTH,
-  NODES = 60, /* intervals whose coefficients are looked at */
-  LOOKS = 6,  /* directions that are tried */
+  HALVINGS = 32,
+  LOOKS = 5, /* directions that are tried */
   CUBIC_BITS = 29,
   CUBIC_ROUNDING = 2 + 2 * DEPTH, /* by the first shift, and by 3 halves a level */
   AWAY_BITS = 16,
@@ -83,7 +86,7 @@ static int side_of(const int32_t c[4], int32_t margin) {
 }
 
 /* v * 2^up, below 2^63, in CUBIC_BITS bits and a sign; rounded down. */
-static inline int32_t cubic_word(int64_t v, unsigned up) {
+FX_WRAPS static inline int32_t cubic_word(int64_t v, unsigned up) {
   return (int32_t)fx_asr64((int64_t)((uint64_t)v << up), 63 - CUBIC_BITS);
 }
 
@@ -206,16 +209,14 @@ static int32_t clear_along(const moving *m, vec3 away, int32_t now) {
   return clear;
 }
 
-static look look_at(const moving *m, int32_t now) {
+/* Looks at the facet now; it stays apart until seen->clear, which is `now` where it is not. */
+__attribute__((noinline)) static void look_at(const moving *m, int32_t now, look *seen) {
   const facet f = facet_at(m, now);
-  look seen;
-  seen.nearest = facet_look(&f, m->shape);
-  seen.nearest.away = facet_narrow(seen.nearest.away, AWAY_BITS);
-  seen.clear = clear_along(m, seen.nearest.away, now);
-  return seen;
+  seen->nearest = facet_look(&f, m->shape);
+  seen->nearest.away = facet_narrow(seen->nearest.away, AWAY_BITS);
+  seen->clear = clear_along(m, seen->nearest.away, now);
 }
 
-/* v rounded to a component of at most 2^bits and made long enough for a unit vector. */
 static vec3 unit_of(vec3 v) {
   const uint64_t n = vec_squared(v);
   if (n == 0) return vec_make(0, 1 << 30, 0);
@@ -246,43 +247,52 @@ static void describe(const moving *m, const facet_nearest *nearest, sweep_contac
   c->normal = unit_of(away);
 }
 
-/* Depth first, early times first. */
-static int first_contact(const moving *m, sweep_contact *contact) {
-  piece waiting[DEPTH + 1];
-  uint32_t count = 1;
-  uint32_t nodes = NODES;
-  uint32_t looks = LOOKS;
-  int32_t clear = 0;
-  const int32_t margin = make_cubic(m, &waiting[0]);
-  if (margin < 0) return 0;
+typedef struct {
+  int32_t margin;
+  uint32_t count, halvings; /* pieces that wait, halvings left */
+  piece waiting[DEPTH + 1]; /* the earliest last */
+} search;
+
+/* The least time from `clear` on that the cubic does not exclude; NEVER where there is none. When
+ * the halvings are used up that is where the piece at hand begins. */
+__attribute__((noinline)) static int32_t seek(search *s, int32_t clear) {
+  const int32_t margin = s->margin;
+  uint32_t count = s->count;
+  uint32_t halvings = s->halvings;
   while (count > 0) {
-    piece *p = &waiting[count - 1u];
-    const int32_t end = p->first + p->width;
-    if (end < clear || (nodes > 0 && side_of(p->c, margin) != 0)) {
-      --count;
-      nodes -= nodes > 0;
-      continue;
+    piece p = s->waiting[--count];
+    while (p.first + p.width >= clear && side_of(p.c, margin) == 0) {
+      const int outside = p.c[0] > margin || p.c[0] < -margin;
+      if (p.width == SHORTEST || halvings == 0 || (p.first >= clear && !outside)) {
+        s->waiting[count] = p;
+        s->count = count + 1u;
+        s->halvings = halvings;
+        return fx_max(clear, p.first);
+      }
+      halve(&p, &s->waiting[count++]);
+      --halvings;
     }
-    const int started = p->first < clear;
-    const int touches = fx_min(p->c[0], -p->c[0]) >= -margin;
-    if (nodes > 0 && p->width > SHORTEST && (started || !touches)) {
-      /* the right half lies below the left one */
-      waiting[count] = *p;
-      halve(&waiting[count], p);
-      ++count;
-      --nodes;
-      continue;
-    }
-    const int32_t now = fx_max(clear, p->first);
-    const look seen = look_at(m, now);
-    --looks;
-    if (seen.clear > SWEEP_ONE) return 0;
-    if (seen.clear <= now + SHORTEST || looks == 0) {
+  }
+  return NEVER;
+}
+
+static int first_contact(const moving *m, sweep_contact *contact) {
+  search s;
+  look seen;
+  s.margin = make_cubic(m, &s.waiting[0]);
+  if (s.margin < 0) return 0;
+  s.count = 1;
+  s.halvings = HALVINGS;
+  seen.clear = 0;
+  for (uint32_t looks = 1; seen.clear != NEVER; ++looks) {
+    const int32_t now = seek(&s, seen.clear);
+    if (now == NEVER) return 0;
+    look_at(m, now, &seen);
+    if (seen.clear != NEVER && (seen.clear <= now + SHORTEST || looks == LOOKS)) {
       contact->time = now;
       describe(m, &seen.nearest, contact);
       return 1;
     }
-    clear = seen.clear;
   }
   return 0;
 }

@@ -14,7 +14,8 @@ static inline uint64_t pairs_next(void) {
   v = (v ^ (v >> 27)) * 0x94D049BB133111EBu;
   return v ^ (v >> 31);
 }
-static inline int32_t upto(int32_t most) { /* -most..most */
+/* -most..most */
+static inline int32_t upto(int32_t most) {
   return (int32_t)(pairs_next() % (2u * (uint64_t)most + 1u)) - most;
 }
 static inline uint32_t pairs_below(uint32_t n) { return (uint32_t)(pairs_next() % n); }
@@ -30,8 +31,7 @@ static inline vec3 plus_all(vec3 a, vec3 b) { return plus(a, b, 1); }
 /* A size from 1 to the world's, each power of two alike. */
 static inline int32_t any_size(void) {
   const int32_t size = (int32_t)1 << pairs_below(30);
-  return size + (int32_t)pairs_below((uint32_t)size) < FX_WORLD_MAX ? size + (int32_t)pairs_below((uint32_t)size)
-                                                                : FX_WORLD_MAX;
+  return (int32_t)fx_clamp64((int64_t)size + pairs_below((uint32_t)size), 1, FX_WORLD_MAX);
 }
 
 typedef void family(sweep_point p[4], int triangle);
@@ -100,7 +100,8 @@ static inline void parallel(sweep_point p[4], int triangle) {
     for (uint32_t k = 0; k < 4; ++k) at[k] = n == 0 ? &p[k].begin : &p[k].end;
     *at[0] = anywhere(pairs_below(2) == 0 ? size : 1);
     *at[1] = triangle ? plus(*at[0], along, upto(2)) : plus(*at[0], along, upto(3));
-    *at[2] = pairs_below(2) == 0 ? plus(*at[0], along, upto(3)) : anywhere(pairs_below(2) == 0 ? size : 1);
+    *at[2] = anywhere(pairs_below(2) == 0 ? size : 1);
+    if (pairs_below(2) == 0) *at[2] = plus(*at[0], along, upto(3));
     *at[3] = plus(*at[2], other, upto(3));
     if (pairs_below(4) == 0) *at[3] = plus_all(*at[3], anywhere(1));
   }
@@ -176,7 +177,7 @@ static inline void chained(sweep_point p[4], int triangle) {
   if (kind == 0) p[2].begin = plus_all(p[2].begin, anywhere(1));
   if (kind == 1) p[2].end = plus_all(p[2].end, anywhere(1));
 }
-/* An edge that comes along a line to another's end and goes back: two roots, or one of even order. */
+/* An edge that turns round while the other all but stands: it passes by ends. */
 static inline void grazing(sweep_point p[4], int triangle) {
   const int32_t size = any_size() / 64 + 8;
   const vec3 centre = anywhere(FX_WORLD_MAX / 2);

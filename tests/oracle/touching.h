@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Whether two moving edges, or a moving point and a moving triangle, touch at some t in [0, 1]:
- * decided exactly. What touches from some time on does so from t = 0 on or from a root of a polynomial
- * that the test at one time asks the sign of; so the test is made at 0, at 1 and at those roots. */
+ * decided exactly. What touches from some time on does so from t = 0 on or from a root of
+ * a polynomial of which the test at one time asks the sign; so the test is made at 0, at 1 and at
+ * those roots. */
 #ifndef FRAY_TESTS_ORACLE_TOUCHING_H
 #define FRAY_TESTS_ORACLE_TOUCHING_H
 

@@ -21,7 +21,11 @@ count() { # MACHINE
   sh tests/target/target.sh run "$1" "$elf" >"$work/sweep_$1.lines" -plugin \
     "$work/stage_count.so,plain=1,symbols=$work/sweep_$1.symbols,out=$work/sweep_$1.counts" || return 1
   $tools-objdump -d -l --no-show-raw-insn "$elf" >"$work/sweep_$1.dis"
+  cat tests/work/sweep_loops.txt tests/work/loops_m0.txt >"$work/sweep_loops.txt"
+  "$FRAY_BUILD/tests/work/longest" "$work/sweep_loops.txt" . sweep_edges sweep_point_triangle \
+    <"$work/sweep_$1.dis" >"$work/sweep_$1.bound"
 }
+constant() { sed -n "s/^ *$1 = \([0-9]*\),.*/\1/p" rt/base/sweep.c; }
 
 for machine in $machines; do
   if ! packages=$(sh tests/target/target.sh needs "$machine"); then
@@ -29,9 +33,13 @@ for machine in $machines; do
   elif ! count "$machine"; then
     fail "sweep on $machine: it does not build or run: $(tail -n 3 "$work/sweep_$machine.lines")"
   else
-    pass
-    awk -v machine="$machine" '
-      FNR == NR { if (FNR % 2 == 0) spent[++pieces] = $1; next }
+    if awk -v machine="$machine" -v halvings="$(constant HALVINGS)" -v looks="$(constant LOOKS)" '
+      FILENAME ~ /bound$/ {
+        rounds = $1 == "fixed" ? 1 : $3 == "halvings" ? halvings : $3 == "looks" ? looks : 1 + halvings + looks
+        bound[$2] += rounds * $NF
+        next
+      }
+      FILENAME ~ /counts$/ { if (FNR % 2 == 0) spent[++pieces] = $1; next }
       $3 == "none" || $3 == "contact" {
         k = $1 " " $2
         if (!(k in seen)) { seen[k] = 1; name[++names] = k }
@@ -48,8 +56,15 @@ for machine in $machines; do
             calls[k, "none"] ? sum[k, "none"] / calls[k, "none"] : 0, most[k, "none"], \
             calls[k, "contact"] ? sum[k, "contact"] / calls[k, "contact"] : 0, most[k, "contact"]
         }
-        print "  worst seen " worst
-      }' "$work/sweep_$machine.counts" "$work/sweep_$machine.lines"
+        limit = bound["sweep_edges"]
+        if (bound["sweep_point_triangle"] > limit) limit = bound["sweep_point_triangle"]
+        printf "  %s: worst seen %d, bound of any call %d\n", machine, worst, limit
+        exit worst > limit || names == 0
+      }' "$work/sweep_$machine.bound" "$work/sweep_$machine.counts" "$work/sweep_$machine.lines"; then
+      pass
+    else
+      fail "sweep on $machine: a call above its bound"
+    fi
   fi
 done
 suite_end

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the sweeps of tests/oracle's families cost on a small target: one line `NAME found` for each call
- * between two marks. Thickness: none, and where the name ends in _thick 1/50 lu. */
+/* What the sweeps of tests/oracle's families cost on a small target: one line `NAME SHAPE RESULT`
+ * for each call between two marks. Thickness: 0, and 1/50 lu where the name ends in _thick. */
 #include "tests/cross/cases.h"
 #include "tests/cross/line.h"
 #include "tests/oracle/pairs.h"

@@ -122,6 +122,7 @@ rm -f "$work"/*.budget
 for machine in $machines; do check "$machine"; done
 largest
 check_the_checks
+if sh tests/work/sweep.sh; then pass; else fail "sweeps"; fi
 for machine in $machines; do
   [ -s "$work/$machine.budget" ] || continue
   if sh tests/budget.sh "work.$machine." "$work/$machine.budget" ${1:+"$1"}; then pass; else fail "budgets of work on $machine"; fi

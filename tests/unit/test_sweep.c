@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Continuous collisions by hand: times, places, normals, contacts that just are and just are not.
+ * tests/oracle/test_sweep.c has the million. */
+#include "rt/base/sweep.h"
+#include "tests/lib/test.h"
+
+enum { UNIT = 1 << 20, FAR = FX_WORLD_MAX };
+
+static sweep_contact contact;
+
+static sweep_point still(int32_t x, int32_t y, int32_t z) {
+  const sweep_point p = {{x, y, z}, {x, y, z}};
+  return p;
+}
+static sweep_point moving(sweep_point p, int32_t x, int32_t y, int32_t z) {
+  p.end = vec_add(p.begin, vec_make(x, y, z));
+  return p;
+}
+static int edges(sweep_point a, sweep_point b, sweep_point c, sweep_point d, int32_t thickness) {
+  const sweep_point first[2] = {a, b};
+  const sweep_point second[2] = {c, d};
+  return sweep_edges(first, second, thickness, &contact);
+}
+static int corner(sweep_point p, sweep_point a, sweep_point b, sweep_point c, int32_t thickness) {
+  const sweep_point triangle[3] = {a, b, c};
+  return sweep_point_triangle(&p, triangle, thickness, &contact);
+}
+static void check_time(int32_t wanted) { /* not later, and to 2^-11 of the step */
+  CHECK(contact.time <= wanted);
+  CHECK(contact.time >= wanted - 16);
+}
+static void check_near(int32_t v, int32_t wanted, int32_t most) {
+  CHECK(v >= wanted - most && v <= wanted + most);
+}
+static void check_normal(int32_t x, int32_t y, int32_t z) {
+  check_near(contact.normal.x, x, 1 << 18);
+  check_near(contact.normal.y, y, 1 << 18);
+  check_near(contact.normal.z, z, 1 << 18);
+}
+
+/* One along x, a quarter of it left of the other, which comes down along z. */
+static void edges_cross(void) {
+  const sweep_point a = still(-UNIT, 0, 0);
+  const sweep_point b = still(3 * UNIT, 0, 0);
+  const sweep_point c = moving(still(0, -UNIT, UNIT), 0, 0, -2 * UNIT);
+  const sweep_point d = moving(still(0, UNIT, UNIT), 0, 0, -2 * UNIT);
+  CHECK(edges(a, b, c, d, 0));
+  check_time(SWEEP_ONE / 2);
+  check_near(contact.at[0], SWEEP_ONE / 4, 4);
+  check_near(contact.at[1], SWEEP_ONE / 2, 4);
+  check_normal(0, 0, 1 << 30);
+  CHECK(edges(a, b, c, d, UNIT / 2));
+  check_time(SWEEP_ONE / 4);
+  check_normal(0, 0, 1 << 30);
+  CHECK(edges(c, d, a, b, 0));
+  check_time(SWEEP_ONE / 2);
+  check_near(contact.at[1], SWEEP_ONE / 4, 4);
+  check_normal(0, 0, -(1 << 30));
+}
+static void edges_pass(void) {
+  const sweep_point c = moving(still(0, -UNIT, UNIT), 0, 0, -2 * UNIT);
+  const sweep_point d = moving(still(0, UNIT, UNIT), 0, 0, -2 * UNIT);
+  CHECK(!edges(still(UNIT / 1000, 0, 0), still(3 * UNIT, 0, 0), c, d, 0));
+  CHECK(edges(still(0, 0, 0), still(3 * UNIT, 0, 0), c, d, 0));
+  CHECK_EQ_INT(contact.at[0], 0);
+  /* by the end of one, within the thickness */
+  CHECK(edges(still(UNIT / 10, 0, 0), still(3 * UNIT, 0, 0), c, d, UNIT / 9));
+  CHECK(!edges(still(UNIT / 9, 0, 0), still(3 * UNIT, 0, 0), c, d, UNIT / 10));
+}
+/* Exactly at the thickness, at the end of the step only, and one step of position less. */
+static void the_last_moment_counts(void) {
+  for (int32_t h = 0; h < 100000; h += 7919)
+    for (int32_t less = 0; less < 2; ++less) {
+      const int32_t by = -(2 * UNIT - h) + less;
+      const sweep_point c = moving(still(0, -UNIT, 2 * UNIT), 0, 0, by);
+      const sweep_point d = moving(still(0, UNIT, 2 * UNIT), 0, 0, by);
+      const sweep_point c_back = {c.end, c.begin};
+      const sweep_point d_back = {d.end, d.begin};
+      CHECK_EQ_INT(edges(still(-UNIT, 0, 0), still(UNIT, 0, 0), c, d, h), less == 0);
+      if (less == 0) check_time(SWEEP_ONE);
+      CHECK_EQ_INT(edges(still(-UNIT, 0, 0), still(UNIT, 0, 0), c_back, d_back, h), less == 0);
+      if (less == 0) CHECK_EQ_INT(contact.time, 0);
+    }
+}
+/* The ends are (3, 4, 12) h / 13 apart: h. */
+static void corners_are_round(void) {
+  const sweep_point a = still(-UNIT, -UNIT, -UNIT);
+  const sweep_point o = still(0, 0, 0);
+  for (int32_t k = 1000; k < UNIT / 16; k = 3 * k + 1) {
+    const sweep_point c = still(3 * k, 4 * k, 12 * k);
+    const sweep_point d = still(UNIT, UNIT + 1, UNIT + 2);
+    CHECK(edges(a, o, c, d, 13 * k));
+    CHECK(!edges(a, o, c, d, 13 * k - k / 500 - 1));
+    CHECK(corner(o, c, d, still(UNIT, 2 * UNIT, UNIT), 13 * k));
+    CHECK(!corner(o, c, d, still(UNIT, 2 * UNIT, UNIT), 13 * k - k / 500 - 1));
+  }
+}
+static void what_is_degenerate_touches(void) {
+  const sweep_point o = still(0, 0, 0);
+  const sweep_point x = still(UNIT, 0, 0);
+  CHECK(edges(o, o, o, o, 0)); /* points */
+  CHECK_EQ_INT(contact.time, 0);
+  check_normal(0, 1 << 30, 0);
+  CHECK(!edges(o, o, x, x, 0));
+  CHECK(edges(o, x, moving(x, -1, 0, 0), still(2 * UNIT, 0, 0), 0)); /* along each other */
+  CHECK(!edges(o, x, still(UNIT + 1, 0, 0), still(2 * UNIT, 0, 0), 0));
+  /* one comes to lie along the other, at the end of the step */
+  CHECK(edges(o, x, moving(still(UNIT / 2, UNIT, 0), 0, -UNIT, 0),
+              moving(still(3 * UNIT, UNIT, 0), 0, -UNIT, 0), 0));
+  check_time(SWEEP_ONE);
+  check_normal(0, 1 << 30, 0);
+  /* a point that crosses an edge, in a plane; and one that crosses a point */
+  const sweep_point across = moving(still(UNIT / 4, 3, 0), 0, -6, 0);
+  CHECK(edges(o, x, across, across, 0));
+  check_near(contact.at[0], SWEEP_ONE / 4, 2);
+  CHECK(corner(moving(still(-UNIT, 0, 0), 2 * UNIT, 0, 0), o, o, o, 0));
+  check_time(SWEEP_ONE / 2);
+  check_normal(1 << 30, 0, 0);
+}
+static void a_point_meets_a_triangle(void) {
+  const sweep_point a = still(0, 0, 0);
+  const sweep_point b = still(4 * UNIT, 0, 0);
+  const sweep_point c = still(0, 4 * UNIT, 0);
+  const sweep_point p = moving(still(UNIT, 2 * UNIT, 3 * UNIT), 0, 0, -4 * UNIT);
+  CHECK(corner(p, a, b, c, 0));
+  check_time(3 * SWEEP_ONE / 4);
+  check_near(contact.at[0], SWEEP_ONE / 4, 4);
+  check_near(contact.at[1], SWEEP_ONE / 2, 4);
+  check_normal(0, 0, -(1 << 30));
+  CHECK(corner(p, a, b, c, UNIT));
+  check_time(SWEEP_ONE / 2);
+  const sweep_point beside = moving(still(2 * UNIT + 2000, 2 * UNIT, 3 * UNIT), 0, 0, -4 * UNIT);
+  CHECK(!corner(beside, a, b, c, 0));
+  CHECK(corner(beside, a, b, c, 2000));
+}
+/* From corner to corner of the world. */
+static void the_whole_world_fits(void) {
+  const sweep_point a = {{-FAR, -FAR, -FAR}, {FAR, FAR, FAR}};
+  const sweep_point b = {{FAR, FAR, -FAR}, {-FAR, -FAR, FAR}};
+  const sweep_point c = {{-FAR, FAR, FAR}, {FAR, -FAR, -FAR}};
+  const sweep_point d = {{FAR, -FAR, FAR}, {-FAR, FAR, -FAR}};
+  CHECK(edges(a, b, c, d, 0));
+  check_time(SWEEP_ONE / 2);
+  CHECK(corner(a, b, c, d, FAR));
+  CHECK(!edges(still(-FAR, -FAR, -FAR), still(-FAR, FAR, -FAR), still(FAR, FAR, FAR),
+               still(FAR, -FAR, FAR), FAR));
+}
+
+int main(void) {
+  TEST(edges_cross);
+  TEST(edges_pass);
+  TEST(the_last_moment_counts);
+  TEST(corners_are_round);
+  TEST(what_is_degenerate_touches);
+  TEST(a_point_meets_a_triangle);
+  TEST(the_whole_world_fits);
+  return test_end();
+}
