@@ -21,7 +21,13 @@ static inline int32_t upto(int32_t most) {
 static inline uint32_t pairs_below(uint32_t n) { return (uint32_t)(pairs_next() % n); }
 static inline int32_t hold(int64_t v) { return (int32_t)fx_clamp64(v, -FX_WORLD_MAX, FX_WORLD_MAX); }
 
-static inline vec3 anywhere(int32_t most) { return vec_make(upto(most), upto(most), upto(most)); }
+static inline vec3 anywhere(int32_t most) {
+  vec3 v;
+  v.x = upto(most);
+  v.y = upto(most);
+  v.z = upto(most);
+  return v;
+}
 static inline vec3 plus(vec3 a, vec3 b, int32_t times) {
   return vec_make(hold(a.x + (int64_t)times * b.x), hold(a.y + (int64_t)times * b.y),
                   hold(a.z + (int64_t)times * b.z));
@@ -81,13 +87,14 @@ static inline void large_lattice(sweep_point p[4], int triangle) {
 }
 static inline void in_a_plane(sweep_point p[4], int triangle) {
   const int32_t size = pairs_below(2) == 0 ? any_size() : 3;
-  const int32_t height[2] = {upto(size), upto(size)};
+  const int32_t height_begin = upto(size);
+  const int32_t height_end = upto(size);
   (void)triangle;
   for (uint32_t n = 0; n < 4; ++n) {
     p[n].begin = anywhere(size);
     p[n].end = anywhere(size);
-    p[n].begin.z = height[0];
-    p[n].end.z = height[1];
+    p[n].begin.z = height_begin;
+    p[n].end.z = height_end;
   }
 }
 /* Edges that stay parallel; a point that stays in the plane of a triangle, or above it. */

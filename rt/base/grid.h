@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Which of many swept boxes overlap, with a fixed bound of work: a uniform grid of cells, hashed.
+ *
+ *   grid_box_of(...)         for every edge, triangle or point: the box of its way
+ *   grid_fill(&g, &list)     puts the boxes of a list into the cells that they cover
+ *   grid_find(&g, &others)   pairs of `others` (or of the same list) that overlap
+ *
+ * Elements are named by their place in a list, so the caller's numbering is the order of everything:
+ * pairs come sorted, and the same ones whatever the memory or the machine. Every pair of boxes that
+ * overlap, or touch, and have no corner in common is listed, unless one of the two is flagged.
+ *
+ * Memory: 12 bytes for a box, 4 (8) for the corners of an edge with 16-bit (32-bit) ids, 2 (4) for
+ * an entry, 4 for a bucket, 4 (8) for a pair, 1 for the flags. Edges of a sheet with cells of 1.5
+ * edges need 3 to 4 entries each when it lies askew, 8 at most: 40 to 60 bytes an edge.
+ * Work: grid_fill at most 2 * cells_most steps an element, and one a bucket; grid_find at most
+ * cells_most + visits_most + partners_most^2 / 2 steps an element. */
+#ifndef FRAY_BASE_GRID_H
+#define FRAY_BASE_GRID_H
+
+#include "rt/base/sweep.h"
+
+#if defined(FRAY_ID_BITS) && FRAY_ID_BITS == 16
+typedef uint16_t grid_id;
+#else
+typedef uint32_t grid_id;
+#endif
+
+enum { GRID_BITS = 9, GRID_CORNERS = 3, GRID_PARTNERS = 32 };
+
+/* In 2^-GRID_BITS lu, ends included. */
+typedef struct {
+  int16_t low[3], high[3];
+} grid_box;
+
+typedef struct {
+  grid_id a, b; /* in one list a < b; else a is in `others` */
+} grid_pair;
+
+/* Why pairs of an element may be missing. */
+enum {
+  GRID_LARGE = 1,   /* its box covers more than cells_most cells */
+  GRID_ENTRIES = 2, /* no room in the cells */
+  GRID_CROWDED = 4, /* more than visits_most elements in its cells, or than partners_most pairs */
+  GRID_PAIRS = 8    /* no room for its pairs */
+};
+
+typedef struct {
+  const grid_box *boxes;
+  const grid_id *corners; /* corners_each of them for each element; NULL: nothing is left out */
+  uint8_t *flags;         /* of each element; grid_fill and grid_find add to them */
+  uint32_t count, corners_each; /* at most GRID_CORNERS */
+} grid_list;
+
+typedef struct {
+  uint32_t *bucket; /* [buckets + 1]: where its entries begin */
+  grid_id *entry;   /* [entries] */
+  uint32_t buckets; /* a power of two, from 2 on */
+  uint32_t entries;
+  uint32_t cell_bits;     /* a cell is 2^(cell_bits - GRID_BITS) lu wide; 1..15 */
+  uint32_t cells_most;    /* that a box may cover, to 1024; 8: all boxes no wider than a cell */
+  uint32_t visits_most;   /* elements that one may be held against */
+  uint32_t partners_most; /* pairs that one may have with later ones; at most GRID_PARTNERS */
+} grid;
+
+/* The box of `count` points (from 1 on) on their ways, widened by half the thickness and outwards to
+ * whole units. `drift` is taken from where they end: what all move by brings none of them nearer, and
+ * boxes are smaller without it; its components are at most twice FX_WORLD_MAX. */
+grid_box grid_box_of(const sweep_point *points, uint32_t count, int32_t thickness, vec3 drift);
+
+/* Empties the grid and puts `list` into it; clears the list's flags. */
+void grid_fill(grid *g, const grid_list *list);
+
+/* The pairs of `others` with `list`, which fills the grid; `others` may be `list` itself, and else
+ * has its flags cleared. Returns how many there are, at most `capacity`, sorted by a, then b. */
+uint32_t grid_find(const grid *g, const grid_list *list, const grid_list *others, grid_pair *pairs,
+                   uint32_t capacity);
+
+#endif
