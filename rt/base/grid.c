@@ -108,8 +108,7 @@ void grid_fill(grid *g, const grid_list *list) {
     g->bucket[n] = sum;
   }
   for (uint32_t n = list->count; n > 0; --n) {
-    if (list->flags[n - 1u] != 0) continue;
-    (void)cells_of(g, &list->boxes[n - 1u], &c);
+    if (list->flags[n - 1u] != 0 || !cells_of(g, &list->boxes[n - 1u], &c)) continue;
     write_cells(g, &c, (grid_id)(n - 1u));
   }
 }

@@ -135,7 +135,8 @@ static void what_is_left_out_is_flagged(void) {
   for (uint32_t trial = 0; trial < 600; ++trial) {
     const uint32_t count = (uint32_t)pick(1, MOST);
     const uint32_t capacity = trial % 2u != 0 ? (uint32_t)pick(0, 300) : PAIRS;
-    set_grid(16u << pick(0, 6), ENTRIES, (uint32_t)pick(3, 8));
+    const uint32_t buckets = 16u << pick(0, 6);
+    set_grid(buckets, ENTRIES, (uint32_t)pick(3, 8));
     if (trial % 3u == 0) g.entries = (uint32_t)pick(0, 600);
     if (trial % 5u == 0) g.visits_most = (uint32_t)pick(0, 100);
     if (trial % 7u == 0) g.partners_most = (uint32_t)pick(0, 8);
