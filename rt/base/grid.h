@@ -9,11 +9,16 @@
  * pairs come sorted, and the same ones whatever the memory or the machine. Every pair of boxes that
  * overlap, or touch, and have no corner in common is listed, unless one of the two is flagged.
  *
- * Memory: 12 bytes for a box, 4 (8) for the corners of an edge with 16-bit (32-bit) ids, 2 (4) for
- * an entry, 4 for a bucket, 4 (8) for a pair, 1 for the flags. Edges of a sheet with cells of 1.5
- * edges need 3 to 4 entries each when it lies askew, 8 at most: 40 to 60 bytes an edge.
- * Work: grid_fill at most 2 * cells_most steps an element, and one a bucket; grid_find at most
- * cells_most + visits_most + partners_most^2 / 2 steps an element. */
+ * A box stands in the one cell that holds its lower corner; who looks for others looks so much
+ * lower as the widest box goes. Boxes wider than a cell would make that far for all: they are listed
+ * apart, and every element looks through that list. A cell should be about as wide as the boxes.
+ *
+ * Memory of an edge with 16-bit (32-bit) ids: box 12, corners 4 (8), entry 2 (4), two buckets 4 (8),
+ * flags 1, and 4 (8) bytes a pair: with four pairs an edge 39 (65) bytes.
+ * Work: grid_fill is two steps an element and one a bucket. grid_find is, an element, at most
+ * cells_most cells, wide_most + visits_most boxes and partners_most^2 / 2 moves. On a Cortex-M3 an
+ * edge of a sheet takes 235 instructions for its box, 136 to fill, 900 to 1,250 to find its pairs,
+ * flat or crumpled (tests/work/sweep.sh). */
 #ifndef FRAY_BASE_GRID_H
 #define FRAY_BASE_GRID_H
 
@@ -38,10 +43,9 @@ typedef struct {
 
 /* Why pairs of an element may be missing. */
 enum {
-  GRID_LARGE = 1,   /* its box covers more than cells_most cells */
-  GRID_ENTRIES = 2, /* no room in the cells */
-  GRID_CROWDED = 4, /* more than visits_most elements in its cells, or than partners_most pairs */
-  GRID_PAIRS = 8    /* no room for its pairs */
+  GRID_LARGE = 1,   /* to look for its pairs takes more than cells_most cells, or too many are wide */
+  GRID_CROWDED = 2, /* more than visits_most boxes are where it is, or more than partners_most pairs */
+  GRID_PAIRS = 4    /* no room for its pairs */
 };
 
 typedef struct {
@@ -52,19 +56,24 @@ typedef struct {
 } grid_list;
 
 typedef struct {
-  uint32_t *bucket; /* [buckets + 1]: where its entries begin */
-  grid_id *entry;   /* [entries] */
-  uint32_t buckets; /* a power of two, from 2 on */
-  uint32_t entries;
+  /* the caller's: memory and limits */
+  grid_id *bucket; /* [buckets + 1]: where its entries begin */
+  grid_id *entry;   /* [elements of the list] */
+  grid_id *wide;    /* [wide_most]: boxes wider than a cell */
+  uint32_t buckets; /* a power of two; about as many as elements */
+  uint32_t wide_most;
   uint32_t cell_bits;     /* a cell is 2^(cell_bits - GRID_BITS) lu wide; 1..15 */
-  uint32_t cells_most;    /* that a box may cover, to 1024; 8: all boxes no wider than a cell */
-  uint32_t visits_most;   /* elements that one may be held against */
+  uint32_t cells_most;    /* that one may look into; 27 for what is not wider than a cell; to 1024 */
+  uint32_t visits_most;   /* boxes that one may be held against */
   uint32_t partners_most; /* pairs that one may have with later ones; at most GRID_PARTNERS */
+  /* set by grid_fill */
+  uint32_t wide_count;
+  int32_t reach[3]; /* the widest of the others along each axis */
 } grid;
 
 /* The box of `count` points (from 1 on) on their ways, widened by half the thickness and outwards to
  * whole units. `drift` is taken from where they end: what all move by brings none of them nearer, and
- * boxes are smaller without it; its components are at most twice FX_WORLD_MAX. */
+ * boxes are smaller without it; its components are at most FX_WORLD_MAX. */
 grid_box grid_box_of(const sweep_point *points, uint32_t count, int32_t thickness, vec3 drift);
 
 /* Empties the grid and puts `list` into it; clears the list's flags. */

@@ -6,7 +6,7 @@
 #include "rt/base/random.h"
 #include "tests/lib/test.h"
 
-enum { MOST = 300, PAIRS = MOST * MOST / 2, ENTRIES = 27 * MOST, BUCKETS = 1024, GUARD = 0x5A };
+enum { MOST = 300, PAIRS = MOST * MOST / 2, BUCKETS = 1024, GUARD = 0x5A };
 
 typedef struct {
   grid_box boxes[MOST];
@@ -17,8 +17,8 @@ typedef struct {
 
 static elements one, other;
 static grid g;
-static uint32_t bucket[BUCKETS + 2];
-static grid_id entry[ENTRIES + 1];
+static grid_id bucket[BUCKETS + 2];
+static grid_id entry[MOST + 1], wide[MOST + 1];
 static grid_pair found[PAIRS + 1];
 static uint32_t seed;
 
@@ -34,14 +34,15 @@ static vec3 pick_vector(int32_t most) {
   return v;
 }
 
-static void set_grid(uint32_t buckets, uint32_t entries, uint32_t cell_bits) {
+static void set_grid(uint32_t buckets, uint32_t cell_bits) {
   g.bucket = bucket;
   g.entry = entry;
   g.buckets = buckets;
-  g.entries = entries;
+  g.wide = wide;
+  g.wide_most = MOST;
   g.cell_bits = cell_bits;
-  g.cells_most = 27;
-  g.visits_most = 27 * MOST;
+  g.cells_most = 512;
+  g.visits_most = 64 * MOST;
   g.partners_most = GRID_PARTNERS;
 }
 static void set_list(elements *e, uint32_t count, uint32_t corners_each) {
@@ -53,13 +54,13 @@ static void set_list(elements *e, uint32_t count, uint32_t corners_each) {
   e->flags[count] = GUARD;
   for (uint32_t n = 0; n < count * corners_each; ++n) e->corners[n] = (grid_id)pick(0, 400);
 }
-/* Boxes to `wide` within `spread` of a centre, which may be at the world's edge. */
-static void set_boxes(elements *e, uint32_t count, int32_t centre, int32_t spread, int32_t wide) {
+/* Boxes to `width` within `spread` of a centre, which may be at the world's edge. */
+static void set_boxes(elements *e, uint32_t count, int32_t centre, int32_t spread, int32_t width) {
   for (uint32_t n = 0; n < count; ++n)
     for (uint32_t k = 0; k < 3; ++k) {
       const int32_t low = fx_clamp(centre + pick(-spread, spread), INT16_MIN, INT16_MAX);
       e->boxes[n].low[k] = (int16_t)low;
-      e->boxes[n].high[k] = (int16_t)fx_min(low + pick(0, wide), INT16_MAX);
+      e->boxes[n].high[k] = (int16_t)fx_min(low + pick(0, width), INT16_MAX);
     }
 }
 
@@ -100,12 +101,12 @@ static void all_pairs_are_found(void) {
   uint32_t total = 0;
   for (uint32_t trial = 0; trial < 400; ++trial) {
     const uint32_t count = (uint32_t)pick(0, MOST);
-    const int32_t wide = pick(0, 60);
+    const int32_t width = pick(0, 60);
     const int32_t spread = pick(150, 800);
     const int32_t centre = pick(0, 3) == 0 ? INT16_MAX - spread : pick(-20000, 20000);
-    set_grid(2u << pick(0, 9), ENTRIES, 6);
+    set_grid(2u << pick(0, 9), 6);
     set_list(&one, count, (uint32_t)pick(0, 3));
-    set_boxes(&one, count, centre, spread, wide);
+    set_boxes(&one, count, centre, spread, width);
     grid_fill(&g, &one.list);
     const uint32_t pairs = grid_find(&g, &one.list, &one.list, found, PAIRS);
     total += pairs;
@@ -117,7 +118,7 @@ static void all_pairs_are_found(void) {
 
 static void two_lists_meet(void) {
   for (uint32_t trial = 0; trial < 200; ++trial) {
-    set_grid(256, ENTRIES, 6);
+    set_grid(256, 6);
     set_list(&one, (uint32_t)pick(0, MOST), 3);
     set_list(&other, (uint32_t)pick(0, MOST), 1);
     set_boxes(&one, one.list.count, 0, pick(300, 3000), 60);
@@ -136,15 +137,16 @@ static void what_is_left_out_is_flagged(void) {
     const uint32_t count = (uint32_t)pick(1, MOST);
     const uint32_t capacity = trial % 2u != 0 ? (uint32_t)pick(0, 300) : PAIRS;
     const uint32_t buckets = 16u << pick(0, 6);
-    set_grid(buckets, ENTRIES, (uint32_t)pick(3, 8));
-    if (trial % 3u == 0) g.entries = (uint32_t)pick(0, 600);
+    set_grid(buckets, (uint32_t)pick(3, 8));
+    if (trial % 3u == 0) g.wide_most = (uint32_t)pick(0, 60);
     if (trial % 5u == 0) g.visits_most = (uint32_t)pick(0, 100);
     if (trial % 7u == 0) g.partners_most = (uint32_t)pick(0, 8);
-    if (trial % 4u == 0) g.cells_most = (uint32_t)pick(0, 12);
+    if (trial % 4u == 0) g.cells_most = (uint32_t)pick(0, 60);
     set_list(&one, count, 2);
-    const int32_t wide = pick(0, 200);
-    set_boxes(&one, count, 0, pick(10, 2000), wide);
-    entry[g.entries] = 0x5A5A;
+    const int32_t width = pick(0, 200);
+    set_boxes(&one, count, 0, pick(10, 2000), width);
+    entry[count] = 0x5A5A;
+    wide[g.wide_most] = 0x5A5A;
     bucket[g.buckets + 1u] = GUARD;
     found[capacity].a = 0x5A5A;
     grid_fill(&g, &one.list);
@@ -152,7 +154,8 @@ static void what_is_left_out_is_flagged(void) {
     left += left_out(&one, &one, pairs);
     for (uint32_t n = 0; n < count; ++n) flagged += one.flags[n] != 0;
     CHECK(pairs <= capacity);
-    CHECK_EQ_INT(entry[g.entries], 0x5A5A);
+    CHECK_EQ_INT(entry[count], 0x5A5A);
+    CHECK_EQ_INT(wide[g.wide_most], 0x5A5A);
     CHECK_EQ_INT(bucket[g.buckets + 1u], GUARD);
     CHECK_EQ_INT(found[capacity].a, 0x5A5A);
   }
@@ -161,29 +164,36 @@ static void what_is_left_out_is_flagged(void) {
 }
 
 static void flags_name_their_reason(void) {
-  set_grid(16, 8, 6);
+  set_grid(16, 6);
   set_list(&one, 4, 0);
   for (uint32_t n = 0; n < 4; ++n)
     for (uint32_t k = 0; k < 3; ++k) {
       one.boxes[n].low[k] = 0;
       one.boxes[n].high[k] = n == 0 ? 1000 : 10;
     }
+  g.wide_most = 0;
   grid_fill(&g, &one.list);
   CHECK_EQ_INT(one.flags[0], GRID_LARGE);
-  CHECK_EQ_INT(one.flags[3], 0);
   CHECK_EQ_INT(grid_find(&g, &one.list, &one.list, found, 1), 1);
   CHECK_EQ_INT(found[0].a, 1);
   CHECK_EQ_INT(found[0].b, 2);
   CHECK_EQ_INT(one.flags[1], GRID_PAIRS);
   CHECK_EQ_INT(one.flags[2], GRID_PAIRS);
   CHECK_EQ_INT(one.flags[3], 0);
-  g.entries = 2;
+  g.wide_most = 1;
   grid_fill(&g, &one.list);
-  CHECK_EQ_INT(one.flags[3], GRID_ENTRIES);
+  CHECK_EQ_INT(one.flags[0], 0);
+  CHECK_EQ_INT(grid_find(&g, &one.list, &one.list, found, 9), 3); /* 17^3 cells to look into */
+  CHECK_EQ_INT(one.flags[0], GRID_LARGE);
+  g.cells_most = 17 * 17 * 17;
   g.visits_most = 0;
+  grid_fill(&g, &one.list);
   CHECK_EQ_INT(grid_find(&g, &one.list, &one.list, found, 9), 0);
-  CHECK_EQ_INT(one.flags[1], GRID_CROWDED);
-  CHECK_EQ_INT(one.flags[2], 0);
+  CHECK_EQ_INT(one.flags[0], GRID_CROWDED);
+  g.visits_most = 4 * 17 * 17 * 17;
+  grid_fill(&g, &one.list);
+  CHECK_EQ_INT(grid_find(&g, &one.list, &one.list, found, 9), 6);
+  CHECK_EQ_INT(one.flags[0], 0);
 }
 
 /* The number of buckets changes what is visited, not what is found. */
@@ -193,7 +203,7 @@ static void pairs_do_not_depend_on_the_table(void) {
   set_list(&one, MOST, 2);
   set_boxes(&one, MOST, 0, 200, 60);
   for (uint32_t buckets = 2; buckets <= BUCKETS; buckets *= 2u) {
-    set_grid(buckets, ENTRIES, 6);
+    set_grid(buckets, 6);
     grid_fill(&g, &one.list);
     const uint32_t pairs = grid_find(&g, &one.list, &one.list, found, PAIRS);
     if (buckets > 2) CHECK_EQ_INT(pairs, count);
@@ -233,16 +243,16 @@ static void boxes_by_hand(void) {
   const sweep_point p[2] = {{{0, -FX_LU, FX_LU / 2}, {FX_LU, -FX_LU, FX_LU / 2}},
                             {{FX_WORLD_MAX, 3, 0}, {FX_WORLD_MAX, 0, 0}}};
   const grid_box a = grid_box_of(p, 1, 0, vec_make(0, 0, 0));
-  CHECK_EQ_INT(a.low[0], -1);
+  CHECK_EQ_INT(a.low[0], 0);
   CHECK_EQ_INT(a.high[0], 512);
-  CHECK_EQ_INT(a.low[1], -513);
+  CHECK_EQ_INT(a.low[1], -512);
   CHECK_EQ_INT(a.high[1], -512);
-  CHECK_EQ_INT(a.low[2], 255);
+  CHECK_EQ_INT(a.low[2], 256);
   CHECK_EQ_INT(a.high[2], 256);
   const grid_box b = grid_box_of(p, 2, FX_LU, vec_make(FX_LU, 0, 0));
-  CHECK_EQ_INT(b.low[0], -257);
+  CHECK_EQ_INT(b.low[0], -256);
   CHECK_EQ_INT(b.high[0], 60 * 512 + 256);
-  const grid_box far = grid_box_of(p, 2, 0, vec_make(-2 * FX_WORLD_MAX, 0, 0));
+  const grid_box far = grid_box_of(p, 2, 0, vec_make(-FX_WORLD_MAX, 0, 0));
   CHECK_EQ_INT(far.high[0], INT16_MAX);
 }
 

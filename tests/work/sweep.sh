@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# sweep.sh: instructions of continuous collisions (rt/base/sweep.h) on small targets, by family of
-# pairs (tests/oracle/pairs.h), and the bound of any call, from the longest paths of the compiled code.
-# MACHINES="m3 rv32" picks.
+# sweep.sh: instructions of continuous collisions (rt/base/sweep.h, grid.h) on small targets: of
+# a sheet's edges in the grid, of calls by family of pairs (tests/oracle/pairs.h), and the bound of
+# any call, from the longest paths of the compiled code. MACHINES="m3 rv32" picks.
 . tests/lib/suite.sh
 
 work=$FRAY_BUILD/work
@@ -40,6 +40,11 @@ for machine in $machines; do
         next
       }
       FILENAME ~ /counts$/ { if (FNR % 2 == 0) spent[++pieces] = $1; next }
+      $3 == "boxes" || $3 == "fill" || $3 == "find" {
+        v = spent[++line]
+        printf "  %s, grid, %-8s %d edges: %5s %5d instructions an edge, %d pairs, %d flagged\n", machine, $1, $2, $3, v / $2, $4, $5
+        next
+      }
       $3 == "none" || $3 == "contact" {
         k = $1 " " $2
         if (!(k in seen)) { seen[k] = 1; name[++names] = k }
