@@ -28,8 +28,8 @@ typedef struct {
 vec3 facet_narrow(vec3 v, unsigned bits);
 
 /* For components of at most 2^FACET_BITS. Which part is nearest, the inside, an edge or a corner,
- * is exact; so is the direction to the inside (the normal) and to a corner; to an edge it is rounded
- * once, to 14 bits. Cost: no loops, no divisions. Source: Ericson 2005, 5.1.5 and 5.1.9. */
+ * is exact; so is the direction to the inside (the normal) and to a corner; to an edge it is
+ * rounded once, to 14 bits. Cost: no loops, no divisions. Source: Ericson 2005, 5.1.5 and 5.1.9. */
 facet_nearest facet_look(const facet *f, facet_shape shape);
 
 static inline vec3 facet_cross(vec3 a, vec3 b) {

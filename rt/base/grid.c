@@ -21,8 +21,7 @@ grid_box grid_box_of(const sweep_point *points, uint32_t count, int32_t thicknes
     const vec3 end = vec_sub(points[n].end, drift);
     low = vec_make(fx_min(low.x, fx_min(begin.x, end.x)), fx_min(low.y, fx_min(begin.y, end.y)),
                    fx_min(low.z, fx_min(begin.z, end.z)));
-    high = vec_make(fx_max(high.x, fx_max(begin.x, end.x)),
-                    fx_max(high.y, fx_max(begin.y, end.y)),
+    high = vec_make(fx_max(high.x, fx_max(begin.x, end.x)), fx_max(high.y, fx_max(begin.y, end.y)),
                     fx_max(high.z, fx_max(begin.z, end.z)));
   }
   const int32_t skin = (thickness + 3) / 4; /* half of a half, upwards */
@@ -35,7 +34,7 @@ grid_box grid_box_of(const sweep_point *points, uint32_t count, int32_t thicknes
   return box;
 }
 
-/* The cells of the lower corners of whatever overlaps the box. Returns 0 where there are too many. */
+/* The cells of the lower corners of whatever overlaps the box; returns 0 where too many. */
 static int cells_of(const grid *g, const grid_box *box, cells *c) {
   uint32_t product = 1;
   for (uint32_t k = 0; k < 3; ++k) {
@@ -68,8 +67,7 @@ static int is_wide(const grid *g, const grid_box *box) {
 }
 
 static void count_box(grid *g, const grid_box *box) {
-  for (uint32_t k = 0; k < 3; ++k)
-    g->reach[k] = fx_max(g->reach[k], box->high[k] - box->low[k]);
+  for (uint32_t k = 0; k < 3; ++k) g->reach[k] = fx_max(g->reach[k], box->high[k] - box->low[k]);
   ++g->bucket[own_bucket(g, box)];
 }
 static void list_wide(grid *g, const grid_list *list, uint32_t n) {
@@ -137,8 +135,9 @@ static int meet(hunt *h, grid_id b) {
   return 1;
 }
 
-/* A row of cells: the entries of `count` buckets, which follow each other. What stands in another row
- * with the same buckets is left to that. Returns 0 where it has seen or found as many as it may. */
+/* A row of cells: the entries of `count` buckets, which follow each other. What stands in another
+ * row with the same buckets is left to that. Returns 0 where it has seen or found as many as it
+ * may. */
 static int visit_buckets(hunt *h, uint32_t bucket, uint32_t count, int32_t y, int32_t z) {
   const grid *g = h->g;
   const unsigned bits = g->cell_bits;

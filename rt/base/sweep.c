@@ -63,8 +63,7 @@ static facet facet_coarse(const facet *f, unsigned s) {
   return coarse;
 }
 static void make_coarse(moving *m) {
-  const uint32_t span =
-      facet_extent(&m->begin) | facet_extent(&m->end) | (uint32_t)m->thickness;
+  const uint32_t span = facet_extent(&m->begin) | facet_extent(&m->end) | (uint32_t)m->thickness;
   m->shift = facet_excess(span, FACET_BITS);
   m->coarse_begin = facet_coarse(&m->begin, m->shift);
   m->coarse_end = facet_coarse(&m->end, m->shift);
@@ -98,11 +97,10 @@ static int32_t make_cubic(const moving *m, piece *p) {
   const vec3 n0 = facet_cross(f0->a, f0->b);
   const vec3 n2 = facet_cross(f1->a, f1->b);
   const vec3 n1 = vec_add(facet_cross(f0->a, f1->b), facet_cross(f1->a, f0->b)); /* twice */
-  const int64_t c[4] = {
-      3 * facet_dot_wide(f0->corner, n0),
-      fx_add64(facet_dot_wide(f1->corner, n0), facet_dot_wide(f0->corner, n1)),
-      fx_add64(facet_dot_wide(f0->corner, n2), facet_dot_wide(f1->corner, n1)),
-      3 * facet_dot_wide(f1->corner, n2)};
+  const int64_t c[4] = {3 * facet_dot_wide(f0->corner, n0),
+                        fx_add64(facet_dot_wide(f1->corner, n0), facet_dot_wide(f0->corner, n1)),
+                        fx_add64(facet_dot_wide(f0->corner, n2), facet_dot_wide(f1->corner, n1)),
+                        3 * facet_dot_wide(f1->corner, n2)};
   const vec3 half = vec_make(fx_asr(n1.x, 1), fx_asr(n1.y, 1), fx_asr(n1.z, 1));
   uint32_t longest = length_most(n0);
   if (length_most(n2) > longest) longest = length_most(n2);
@@ -349,16 +347,16 @@ int sweep_edges(const sweep_point first[2], const sweep_point second[2], int32_t
 
 /* of a point and a triangle. */
 #define TRIANGLE_APART(axis) \
-  stay_apart(range_two(point->begin.axis, point->begin.axis), \
-             range_more(range_two(triangle[0].begin.axis, triangle[1].begin.axis), \
-                        triangle[2].begin.axis), \
-             range_two(point->end.axis, point->end.axis), \
-             range_more(range_two(triangle[0].end.axis, triangle[1].end.axis), \
-                        triangle[2].end.axis), \
-             thickness)
+  stay_apart( \
+      range_two(point->begin.axis, point->begin.axis), \
+      range_more(range_two(triangle[0].begin.axis, triangle[1].begin.axis), \
+                 triangle[2].begin.axis), \
+      range_two(point->end.axis, point->end.axis), \
+      range_more(range_two(triangle[0].end.axis, triangle[1].end.axis), triangle[2].end.axis), \
+      thickness)
 
-int sweep_point_triangle(const sweep_point *point, const sweep_point triangle[3],
-                         int32_t thickness, sweep_contact *contact) {
+int sweep_point_triangle(const sweep_point *point, const sweep_point triangle[3], int32_t thickness,
+                         sweep_contact *contact) {
   if (TRIANGLE_APART(x) || TRIANGLE_APART(y) || TRIANGLE_APART(z)) return 0;
   moving m;
   m.begin.corner = vec_sub(triangle[0].begin, point->begin);

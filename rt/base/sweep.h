@@ -5,8 +5,8 @@
  * A contact: there is a t in [0, 1] at which the distance is at most `thickness`. With thickness 0
  * that is touching, at t = 0 and t = 1 too, of parallel edges, in a plane, of edges and triangles
  * without length or area. No contact is missed. What is reported and is none, a false alarm, has
- * come near: nearly all to less than 2^-12 of the extent of the pair and its motion. Farther off are
- * pairs for which the bound of the work was not enough; tests/oracle/test_sweep.c counts both.
+ * come near: nearly all to less than 2^-12 of the extent of the pair and its motion. Farther off
+ * are pairs for which the bound of the work was not enough; tests/oracle/test_sweep.c counts both.
  *
  * Sources: Metaaphanon 2009, section 4.2, equation 5; Karaoz 2015, section 2.6, equations 2.65 to
  * 2.68, where 2.68 lacks the offset AC: C + v CD - A - u AB = 0. */
@@ -36,7 +36,7 @@ typedef struct {
  * (tests/work/sweep.sh). */
 int sweep_edges(const sweep_point first[2], const sweep_point second[2], int32_t thickness,
                 sweep_contact *contact);
-int sweep_point_triangle(const sweep_point *point, const sweep_point triangle[3],
-                         int32_t thickness, sweep_contact *contact);
+int sweep_point_triangle(const sweep_point *point, const sweep_point triangle[3], int32_t thickness,
+                         sweep_contact *contact);
 
 #endif

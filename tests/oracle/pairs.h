@@ -19,7 +19,9 @@ static inline int32_t upto(int32_t most) {
   return (int32_t)(pairs_next() % (2u * (uint64_t)most + 1u)) - most;
 }
 static inline uint32_t pairs_below(uint32_t n) { return (uint32_t)(pairs_next() % n); }
-static inline int32_t hold(int64_t v) { return (int32_t)fx_clamp64(v, -FX_WORLD_MAX, FX_WORLD_MAX); }
+static inline int32_t hold(int64_t v) {
+  return (int32_t)fx_clamp64(v, -FX_WORLD_MAX, FX_WORLD_MAX);
+}
 
 static inline vec3 anywhere(int32_t most) {
   vec3 v;

@@ -44,8 +44,7 @@ typedef struct {
   poly along;
 } on_edge;
 
-static inline void on_edge_make(on_edge *o, const way *p, const way *a,
-                                const way *b) {
+static inline void on_edge_make(on_edge *o, const way *p, const way *a, const way *b) {
   static poly3 edge, to_p, to_a, to_b;
   poly3_between(&edge, a, b);
   poly3_between(&to_p, a, p);
@@ -72,8 +71,8 @@ typedef struct {
   on_edge on[4];
 } pair;
 
-static inline void make_side(poly *to, const poly3 *normal, const way *a,
-                             const way *b, const way *p) {
+static inline void make_side(poly *to, const poly3 *normal, const way *a, const way *b,
+                             const way *p) {
   static poly3 edge, other, cross;
   poly3_between(&edge, a, b);
   poly3_between(&other, a, p);

@@ -22,9 +22,7 @@ static grid_id entry[MOST + 1], wide[MOST + 1];
 static grid_pair found[PAIRS + 1];
 static uint32_t seed;
 
-static int32_t pick(int32_t low, int32_t high) {
-  return random_between(1, ++seed, low, high);
-}
+static int32_t pick(int32_t low, int32_t high) { return random_between(1, ++seed, low, high); }
 
 static vec3 pick_vector(int32_t most) {
   vec3 v;
