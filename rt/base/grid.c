@@ -192,15 +192,16 @@ uint32_t grid_find(const grid *g, const grid_list *list, const grid_list *others
   h.g = g;
   h.list = list;
   h.others = others;
-  for (h.a = 0; h.a < others->count; ++h.a) {
-    uint8_t *flags = &others->flags[h.a];
+  for (uint32_t a = 0; a < others->count; ++a) {
+    uint8_t *flags = &others->flags[a];
+    h.a = a;
     if (list != others) *flags = 0;
     if (*flags != 0) continue;
-    if (!cells_of(g, &others->boxes[h.a], &c)) {
+    if (!cells_of(g, &others->boxes[a], &c)) {
       *flags = GRID_LARGE;
       continue;
     }
-    h.from = list == others ? h.a + 1u : 0;
+    h.from = list == others ? a + 1u : 0;
     h.visits = g->visits_most;
     h.count = 0;
     if (!visit_wide(&h) || !visit_cells(&h, &c)) *flags |= GRID_CROWDED;
@@ -209,7 +210,7 @@ uint32_t grid_find(const grid *g, const grid_list *list, const grid_list *others
         *flags |= GRID_PAIRS;
         break;
       }
-      pairs[count].a = (grid_id)h.a;
+      pairs[count].a = (grid_id)a;
       pairs[count].b = h.partner[n];
       ++count;
     }

@@ -258,8 +258,9 @@ __attribute__((noinline)) static int32_t seek(search *s, int32_t clear) {
   const int32_t margin = s->margin;
   uint32_t count = s->count;
   uint32_t halvings = s->halvings;
+  piece p;
   while (count > 0) {
-    piece p = s->waiting[--count];
+    p = s->waiting[--count];
     while (p.first + p.width >= clear && side_of(p.c, margin) == 0) {
       const int outside = p.c[0] > margin || p.c[0] < -margin;
       if (p.width == SHORTEST || halvings == 0 || (p.first >= clear && !outside)) {
@@ -283,11 +284,13 @@ static int first_contact(const moving *m, sweep_contact *contact) {
   s.count = 1;
   s.halvings = HALVINGS;
   seen.clear = 0;
-  for (uint32_t looks = 1; seen.clear != NEVER; ++looks) {
+  uint32_t looks = LOOKS;
+  while (seen.clear != NEVER) {
     const int32_t now = seek(&s, seen.clear);
     if (now == NEVER) return 0;
     look_at(m, now, &seen);
-    if (seen.clear != NEVER && (seen.clear <= now + SHORTEST || looks == LOOKS)) {
+    --looks;
+    if (seen.clear != NEVER && (seen.clear <= now + SHORTEST || looks == 0)) {
       contact->time = now;
       describe(m, &seen.nearest, contact);
       return 1;
