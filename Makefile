@@ -26,7 +26,7 @@ SIM_TESTS := $(filter-out $(SYS_TESTS),$(filter $(BUILD)/tests/sim/%,$(TESTS)))
 SIM_O := $(BUILD)/tests/sim/sim_board.o
 FAULT_O := $(patsubst %,$(BUILD)/faults/platform/linux/%.o,board bus_log can_socket timer)
 IMAGE_16 := $(BUILD)/id16/tests/unit/test_image
-FX_NARROW := $(BUILD)/narrow/tests/unit/test_fx
+FX_NARROW := $(addprefix $(BUILD)/narrow/tests/unit/,test_fx test_sweep)
 
 .PHONY: all help run test clean san san-integer checked golden golden-update fuzz tidy size stack work budget-update \
         proof install bench force targets target-test can-test bus-test bus-test-qemu bus-soak
@@ -67,7 +67,7 @@ $(BUILD)/faults/%.o: %.c
 	@echo "  CC   $< (FRAY_SYS_FAULTS)"
 	@$(CC) $(FLAGS) -DFRAY_SYS_FAULTS -c $< -o $@
 
-# fixed point once more, as on cores that do one thing at a time
+# fixed point and sweeps once more, as on cores that do one thing at a time
 $(FX_NARROW): force
 	@$(MAKE) --no-print-directory -s BUILD=$(BUILD)/narrow EXTRA="$(EXTRA) -DFX_NARROW=1 -DFX_NO_LONG_MULTIPLY=1" EXACT="$(EXACT)" $@
 
