@@ -32,8 +32,7 @@ typedef struct {
 
 /* Returns 1 and the contact, or 0 (*contact is then undefined). 0 <= thickness <= FX_WORLD_MAX.
  * Cost in instructions of a Cortex-M3: edges of cloth near each other that do not meet 300 on
- * average, 700 at most; a contact 2,000 to 4,700 on average; any call at most 9,300
- * (tests/work/sweep.sh). */
+ * average; a contact 2,000 to 4,700 on average; any call at most 9,300 (tests/work/sweep.sh). */
 int sweep_edges(const sweep_point first[2], const sweep_point second[2], int32_t thickness,
                 sweep_contact *contact);
 int sweep_point_triangle(const sweep_point *point, const sweep_point triangle[3], int32_t thickness,
