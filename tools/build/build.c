@@ -95,7 +95,9 @@ static void fill_rows(const draft *d, fray_world *w) {
     weave_ends(d->grid, r->canonical, &a, &b);
     w->row_i[row] = (row_id)r->i;
     w->row_j[row] = (row_id)r->j;
-    w->row_class[row] = row >= shears_from ? 3 : (a / d->grid.warps == b / d->grid.warps ? 1 : 2);
+    /* where warps lie as close as wefts both have one class, and go side by side in wide kernels */
+    const int along_warp = a / d->grid.warps != b / d->grid.warps;
+    w->row_class[row] = row >= shears_from ? 3 : along_warp && d->spacing[0] != d->spacing[1] ? 2 : 1;
     WRITABLE(row_id, w->home)[row] = (row_id)r->canonical;
     WRITABLE(row_id, w->row_of)[r->canonical] = (row_id)row;
   }

@@ -14,6 +14,7 @@ typedef struct {
   uint32_t level;     /* the lesser one of its ends */
   uint32_t step;      /* when it is stepped */
   uint32_t single;    /* in no run */
+  uint32_t along_warp;
   uint32_t canonical;
   uint32_t i, j;      /* particles */
 } draft_row;

@@ -66,11 +66,12 @@ static draft_row make_row(const draft *d, uint32_t canonical) {
   r.level = la < lb ? la : lb;
   r.step = r.colour;
   r.single = 0;
+  r.along_warp = a / d->grid.warps != b / d->grid.warps;
   return r;
 }
 
 /* Rows go eight at a time at least; runs of fewer than RUN_LEAST are gathered. */
-enum { LANES_LEAST = 8, RUN_LEAST = 4 };
+enum { RUN_LEAST = 3 };
 
 /* Links of all colours go outwards together, each colour some levels behind the one before it, so far
  * that they meet nowhere: one batch for each level, and not one for each level and colour. Links from
@@ -106,6 +107,7 @@ static int compare_rows(const void *left, const void *right) {
   const draft_row *b = right;
   int order = compare_batches(a, b);
   if (order == 0) order = compare(a->single, b->single);
+  if (order == 0 && a->single) order = compare(a->along_warp, b->along_warp);
   if (order == 0) order = compare(b->level, a->level); /* what the batch before moved last, last */
   if (order == 0) order = compare(a->i, b->i);
   return order != 0 ? order : compare(a->canonical, b->canonical);
@@ -120,9 +122,7 @@ static void find_singles(draft_row *rows, uint32_t count) {
         rows[n].i == rows[n - 1].i + 1 && rows[n].j == rows[n - 1].j + 1)
       continue;
     const uint32_t length = n - first;
-    const uint32_t rest = length % LANES_LEAST;
-    const uint32_t singles = length < RUN_LEAST ? length : rest < RUN_LEAST ? rest : 0;
-    for (uint32_t r = n - singles; r < n; ++r) rows[r].single = 1;
+    for (uint32_t r = first; r < n && length < RUN_LEAST; ++r) rows[r].single = 1;
     first = n;
   }
 }
