@@ -55,6 +55,10 @@ $(BUILD)/%.o: %.c
 # what must not wrap unless it says so: the runtime, and what computes images
 $(BUILD)/rt/%.o $(BUILD)/tools/build/%.o: FLAGS += $(EXACT)
 
+# pictures are the same to the byte everywhere: no fused products, no x87
+SSE = $(if $(filter 1,$(shell echo __i386__ | $(CC) $(EXTRA) -E -P -x c - 2>/dev/null)),-msse2 -mfpmath=sse)
+$(BUILD)/tools/render/%.o: FLAGS += -ffp-contract=off $(SSE)
+
 $(TESTS) $(HELPERS): $(BUILD)/%: $(BUILD)/%.o $(TOOLS_LIB) $(RT_LIB)
 	@$(CC) $(EXTRA) $(filter %.o,$^) $(filter %.a,$^) -lm -pthread -o $@
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "tools/render/body_picture.h"
 
+#include "tools/render/portable_math.h"
+
 enum { AT = 0, NORMAL = 3, BODY_ATTRIBUTES = 6, SLICES = 48, STACKS = 24, GROUND_TILES = 32 };
 
 static const v3 world_axes[3] = {{0, 1, 0}, {0, 0, 1}, {1, 0, 0}};
@@ -45,16 +47,21 @@ static void quad(const body_job *k, const canvas_vertex *a, const canvas_vertex 
 /* A ball whose halves are moved apart by 2 * half along its first axis: a capsule. */
 static void draw_round(const body_job *k, v3 centre, const v3 *axes, float radius, float half) {
   canvas_vertex ring[2][SLICES + 1];
+  float sine[SLICES], cosine[SLICES];
+  for (int slice = 0; slice < SLICES; slice++) {
+    sine[slice] = (float)portable_sin(6.28318530717959 * slice / SLICES);
+    cosine[slice] = (float)portable_cos(6.28318530717959 * slice / SLICES);
+  }
   for (int stack = 0; stack <= STACKS + 1; stack++) {
     /* The equator comes twice, once for each half. */
     const int second = stack > STACKS / 2;
-    const float polar = 3.14159265f * (float)(second ? stack - 1 : stack) / STACKS;
+    const double polar = 3.14159265358979 * (second ? stack - 1 : stack) / STACKS;
+    const float along = -(float)portable_cos(polar), around = (float)portable_sin(polar);
     canvas_vertex *now = ring[stack & 1], *before = ring[(stack & 1) ^ 1];
     for (int slice = 0; slice <= SLICES; slice++) {
-      const float turn = 6.2831853f * (float)(slice % SLICES) / SLICES;
-      v3 n = v3_scale(axes[0], -cosf(polar));
-      n = v3_along(n, axes[1], sinf(polar) * cosf(turn));
-      n = v3_along(n, axes[2], sinf(polar) * sinf(turn));
+      v3 n = v3_scale(axes[0], along);
+      n = v3_along(n, axes[1], around * cosine[slice % SLICES]);
+      n = v3_along(n, axes[2], around * sine[slice % SLICES]);
       const v3 middle = v3_along(centre, axes[0], second ? half : -half);
       if (!put(k, now + slice, v3_along(middle, n, radius), n)) return;
     }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "tools/render/camera.h"
 
+#include "tools/render/portable_math.h"
+
 static const float nearest_mm = 0.5f;
 static const float margin = 1.06f;
 
@@ -49,13 +51,16 @@ static void turn(camera *cam, v3 back) {
 camera camera_look_at(v3 eye, v3 target, float field_degrees, uint32_t width, uint32_t height) {
   camera cam = {.eye = eye, .x = 0.5f * (float)width, .y = 0.5f * (float)height};
   turn(&cam, v3_unit(v3_sub(eye, target)));
-  cam.pixels = cam.y / tanf(field_degrees * 0.5f * 3.14159265f / 180.0f);
+  const double half = (double)field_degrees * 3.14159265358979 / 360.0;
+  cam.pixels = cam.y * (float)(portable_cos(half) / portable_sin(half));
   return cam;
 }
 
 camera camera_frame(bounds b, float yaw, float pitch, uint32_t width, uint32_t height) {
-  const float a = yaw * 3.14159265f / 180.0f, e = pitch * 3.14159265f / 180.0f;
-  const v3 back = {sinf(a) * cosf(e), sinf(e), cosf(a) * cosf(e)};
+  const double degree = 3.14159265358979 / 180.0;
+  const double a = (double)yaw * degree, e = (double)pitch * degree, level = portable_cos(e);
+  const v3 back = {(float)(portable_sin(a) * level), (float)portable_sin(e),
+                   (float)(portable_cos(a) * level)};
   b = sound(b);
   v3 target = v3_scale(v3_add(b.low, b.high), 0.5f);
   camera cam = camera_look_at(v3_add(target, back), target, 28.0f, width, height);

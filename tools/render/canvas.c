@@ -7,15 +7,18 @@
 #include <string.h>
 
 #include "tools/render/png.h"
+#include "tools/render/portable_math.h"
 
 enum { SIDE_MAX = 16384, SCALE_MAX = 4, GAMMA_STEPS = 4096 };
 
 static float from_srgb(float v) {
-  return v <= 0.04045f ? v / 12.92f : powf((v + 0.055f) / 1.055f, 2.4f);
+  if (v <= 0.04045f) return v / 12.92f;
+  return (float)portable_power(portable_root(((double)v + 0.055) / 1.055, 5), 12);
 }
 
 static float to_srgb(float v) {
-  return v <= 0.0031308f ? v * 12.92f : 1.055f * powf(v, 1.0f / 2.4f) - 0.055f;
+  if (v <= 0.0031308f) return v * 12.92f;
+  return (float)(1.055 * portable_power(portable_root((double)v, 12), 5) - 0.055);
 }
 
 rgb rgb_hex(uint32_t srgb) {
@@ -159,7 +162,8 @@ static double to_segment(double px, double py, double x0, double y0, double x1, 
   const double dx = x1 - x0, dy = y1 - y0, square = dx * dx + dy * dy;
   double t = square > 0.0 ? ((px - x0) * dx + (py - y0) * dy) / square : 0.0;
   t = t < 0.0 ? 0.0 : t > 1.0 ? 1.0 : t;
-  return hypot(px - x0 - t * dx, py - y0 - t * dy);
+  const double ox = px - x0 - t * dx, oy = py - y0 - t * dy;
+  return sqrt(ox * ox + oy * oy);
 }
 
 void canvas_line(canvas *c, float fx0, float fy0, float fx1, float fy1, float width, rgb colour,
@@ -175,7 +179,7 @@ void canvas_line(canvas *c, float fx0, float fy0, float fx1, float fy1, float wi
     /* Only the columns near the segment in this row: long slanted lines stay cheap. */
     double from = fmin(x0, x1), to = fmax(x0, x1);
     if (fabs(y1 - y0) > 1e-9 && fabs(x1 - x0) > 1e-9) {
-      const double slope = (x1 - x0) / (y1 - y0), steep = hypot(1.0, slope) * reach;
+      const double slope = (x1 - x0) / (y1 - y0), steep = sqrt(1.0 + slope * slope) * reach;
       const double middle = x0 + slope * ((double)row + 0.5 - y0);
       from = fmax(from, middle - steep);
       to = fmin(to, middle + steep);

@@ -33,6 +33,12 @@ float lighting_open_sky(const lighting *l, v3 at, v3 normal) {
   return sum / 9.0f;
 }
 
+/* To the 32nd. */
+static float sharpened(float shine) {
+  for (int k = 0; k < 5; k++) shine *= shine;
+  return shine;
+}
+
 /* `normal` carries the texture, `smooth` the shape: the terminator and the shadow follow the
  * shape, so that yarns do not sparkle where the light grazes. Both face the viewer. */
 rgb lighting_shade(const lighting *l, const material *m, v3 at, v3 normal, v3 smooth, v3 towards) {
@@ -49,7 +55,7 @@ rgb lighting_shade(const lighting *l, const material *m, v3 at, v3 normal, v3 sm
   const float sheen = m->sheen * rim * rim * rim * (0.3f + 0.7f * open);
   const v3 half = v3_unit(v3_add(l->key, towards));
   const float shine = clamp01(v3_dot(normal, half));
-  const float gloss = m->gloss > 0.0f ? m->gloss * powf(shine, 40.0f) * open : 0.0f;
+  const float gloss = m->gloss > 0.0f ? m->gloss * sharpened(shine) * open : 0.0f;
   const float occluded = 0.80f + 0.20f * open;
   const rgb warm = {1.02f, 0.98f, 0.90f}, cool = {0.80f, 0.92f, 1.08f};
   const float a = 0.82f * (direct + behind), b = (0.22f * fill + 0.20f * sky + 0.09f) * occluded;

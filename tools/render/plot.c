@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "tools/render/font.h"
+#include "tools/render/portable_math.h"
 
 enum { INK = 0x30363D, FAINT = 0xDDE1E5, PAPER = 0xFFFFFF, MARK = 0xB04A4A };
 
@@ -30,9 +31,9 @@ plot_ticks plot_choose_ticks(double low, double high, uint32_t most) {
   if (most > PLOT_TICKS_MAX) most = PLOT_TICKS_MAX;
   if (!isfinite(low) || !isfinite(high) || !(high > low)) return t;
   static const double parts[3] = {1.0, 2.0, 5.0};
-  int power = (int)floor(log10((high - low) / most)) - 1;
+  const int power = portable_decade((high - low) / most) - 1;
   for (int round = 0; round < 12; round++) {
-    const double step = parts[round % 3] * pow(10.0, power + round / 3);
+    const double step = parts[round % 3] * portable_power(10.0, power + round / 3);
     const double first = ceil(low / step - 1e-9), last = floor(high / step + 1e-9);
     if (last - first + 1.0 > most) continue;
     t.step = step;

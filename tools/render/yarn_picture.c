@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "tools/render/yarn_picture.h"
 
+#include "tools/render/portable_math.h"
+
 enum { AT = 0, SIDE = 3, ACROSS = 6, ALONG = 7, COLOUR = 8, YARN_ATTRIBUTES = 11 };
 
 typedef struct {
@@ -18,7 +20,7 @@ static canvas_sample shade_yarn(const void *context, const float *a, int front) 
   const float bulge = sqrtf(1.0f - 0.9f * t * t);
   const v3 normal = v3_unit(v3_along(v3_scale(towards, bulge), side, 0.9f * t));
   /* Twist: plies show as slanting bands. */
-  const float twist = 1.0f + 0.10f * sinf(9.0f * a[ALONG] + 2.2f * t);
+  const float twist = 1.0f + 0.10f * portable_wave(1.4f * a[ALONG] + 0.35f * t);
   const float edge = 1.0f - 0.45f * t * t * t * t;
   const material m = {rgb_scale((rgb){a[COLOUR], a[COLOUR + 1], a[COLOUR + 2]}, twist * edge), 0.0f,
                       0.0f, 0.15f};
