@@ -23,8 +23,10 @@ typedef struct {
   double every_s;      /* 0: not given */
   double length_s;     /* 0: not given */
   uint32_t width, height, instance;
+  uint32_t frames;     /* 0: not given */
   float yaw, pitch;
-  int has_view, strain;
+  float focus[4];      /* cm: a point and how far about it */
+  int has_view, has_focus, strain, yarn, wire;
 } options;
 
 typedef struct {
@@ -45,9 +47,13 @@ static void print_usage(FILE *out) {
         "  --instance N          which runtime in the log, 0 to 7 (default 0)\n"
         "  --at 0.5s,1s,2500ms   times of the pictures\n"
         "  --every 100ms         or: one at the start and every so often\n"
+        "  --frames N            or: so many, evenly from start to end\n"
         "  --for 2s              how long to run (default: the log's length, or 1 s)\n"
         "  --size 1280x960       pixels\n"
         "  --view YAW,PITCH      degrees to the right and up (default: chosen from the scene)\n"
+        "  --focus X,Y,Z,R       frames what is within R cm of this place, in cm (default: all)\n"
+        "  --yarn                every yarn a spline, over and under the others\n"
+        "  --wire                springs as lines: the sheet magenta, what has split into yarns cyan\n"
         "  --strain              colour by strain: blue slack, white at rest, red about to tear\n"
         "  -o DIR                default out/render\n"
         "\n"
@@ -101,15 +107,32 @@ static int parse_view(const char *text, options *o) {
   return 0;
 }
 
+static int parse_focus(const char *text, options *o) {
+  char rest;
+  float *f = o->focus;
+  o->has_focus = 1;
+  if (sscanf(text, "%f,%f,%f,%f%c", f, f + 1, f + 2, f + 3, &rest) == 4 && fabsf(f[0]) <= 1e4f &&
+      fabsf(f[1]) <= 1e4f && fabsf(f[2]) <= 1e4f && f[3] >= 0.01f && f[3] <= 1e4f) {
+    return 1;
+  }
+  fprintf(stderr, "fray render: --focus %s, expected X,Y,Z,R in cm, R 0.01 to 10000\n", text);
+  return 0;
+}
+
 static int parse_options(options *o, const char *every, const char *length, const char *size,
-                         const char *view) {
-  if (o->at != NULL && every != NULL) {
-    fprintf(stderr, "fray render: --at and --every exclude each other\n");
+                         const char *view, const char *focus) {
+  if ((o->at != NULL) + (every != NULL) + (o->frames != 0) > 1) {
+    fprintf(stderr, "fray render: --at, --every and --frames exclude each other\n");
+    return 0;
+  }
+  if (o->wire + (o->yarn || o->strain) > 1) {
+    fprintf(stderr, "fray render: --wire goes neither with --yarn nor with --strain\n");
     return 0;
   }
   return (every == NULL || parse_one_time("--every", every, &o->every_s)) &&
          (length == NULL || parse_one_time("--for", length, &o->length_s)) &&
-         (size == NULL || parse_size(size, o)) && (view == NULL || parse_view(view, o));
+         (size == NULL || parse_size(size, o)) && (view == NULL || parse_view(view, o)) &&
+         (focus == NULL || parse_focus(focus, o));
 }
 
 static int add_tick(render_job *job, double tick) {
@@ -146,6 +169,21 @@ static int take_at(render_job *job) {
   return 1;
 }
 
+/* From the start to the end, rounded to ticks; a single one shows the end. */
+static int take_frames(render_job *job) {
+  const uint32_t frames = job->o->frames, ticks = job->end - job->start;
+  if (frames > ticks + 1) {
+    fprintf(stderr, "fray render: --frames %" PRIu32 ", but the run has %" PRIu32 " ticks\n", frames,
+            ticks);
+    return 0;
+  }
+  for (uint32_t n = 0; n < frames; n++) {
+    const double share = frames > 1 ? (double)n / (frames - 1) : 1.0;
+    if (!add_tick(job, job->start + share * ticks)) return 0;
+  }
+  return 1;
+}
+
 /* Which ticks, and how long to run. A tick number counts ticks computed: 0 is the start. */
 static int plan(render_job *job) {
   const options *o = job->o;
@@ -160,7 +198,9 @@ static int plan(render_job *job) {
     return 0;
   }
   job->end = job->start + (length > 0.0 ? (uint32_t)fmin(length + 0.5, 1e9) : 0);
-  if (!o->at) {
+  if (o->frames != 0) {
+    if (!take_frames(job)) return 0;
+  } else if (!o->at) {
     double step = o->every_s > 0.0 ? o->every_s * rate : length / DEFAULT_FRAMES;
     if (step < 1.0) step = 1.0;
     for (double t = 0.0; t <= length + 1e-6; t += step)
@@ -194,8 +234,18 @@ static int run_world(render_job *job, album *pictures) {
 
 static int render_world(render_job *job) {
   const options *o = job->o;
-  const album_style style = {o->folder, o->width, o->height, o->has_view, o->yaw, o->pitch,
-                             o->strain};
+  const float *f = o->focus;
+  const album_style style = {.folder = o->folder,
+                             .width = o->width,
+                             .height = o->height,
+                             .has_view = o->has_view,
+                             .yaw = o->yaw,
+                             .pitch = o->pitch,
+                             .has_focus = o->has_focus,
+                             .focus = {f[0] * 10.0f, f[1] * 10.0f, f[2] * 10.0f},
+                             .reach = f[3] * 10.0f,
+                             .strain = o->strain,
+                             .look = o->wire ? LOOK_WIRE : o->yarn ? LOOK_YARN : LOOK_SHEET};
   album pictures;
   int code = EXIT_FAILED;
   album_open(&pictures);
@@ -220,11 +270,15 @@ int cmd_render(int argc, char **argv) {
   const char *length = NULL;
   const char *size = NULL;
   const char *view = NULL;
+  const char *focus = NULL;
   const option table[] = {
       {"--log", &o.log, NULL, NULL, 0, 0},  {"--instance", NULL, &o.instance, NULL, 0, 7},
       {"--at", &o.at, NULL, NULL, 0, 0},    {"--every", &every, NULL, NULL, 0, 0},
       {"--for", &length, NULL, NULL, 0, 0}, {"--size", &size, NULL, NULL, 0, 0},
+      {"--frames", NULL, &o.frames, NULL, 1, ALBUM_PICTURES_MAX},
+      {"--focus", &focus, NULL, NULL, 0, 0},
       {"--view", &view, NULL, NULL, 0, 0},  {"--strain", NULL, NULL, &o.strain, 0, 0},
+      {"--yarn", NULL, NULL, &o.yarn, 0, 0}, {"--wire", NULL, NULL, &o.wire, 0, 0},
       {"-o", &o.folder, NULL, NULL, 0, 0},  {"--key", &o.key, NULL, NULL, 0, 0}};
   const options_result wish =
       options_parse(argc, argv, table, sizeof table / sizeof table[0], &o.file);
@@ -234,7 +288,7 @@ int cmd_render(int argc, char **argv) {
   }
   if (wish == OPTIONS_GOOD && o.file == NULL)
     fprintf(stderr, "fray render: expected a scene or an image; fray render --help tells more\n");
-  if (wish == OPTIONS_WRONG || o.file == NULL || !parse_options(&o, every, length, size, view))
+  if (wish == OPTIONS_WRONG || o.file == NULL || !parse_options(&o, every, length, size, view, focus))
     return EXIT_USAGE;
   if (o.key != NULL && o.log == NULL) {
     fprintf(stderr, "fray render: --key goes with --log\n");

@@ -195,7 +195,7 @@ static int write_summary(const run_job *j, const piece *pieces, uint32_t count) 
 
 static int write_report(const run_job *j, const piece *pieces, uint32_t count) {
   char path[PATH_ROOM];
-  const album_style style = {j->o->report, 1280, 960, 0, 0.0f, 0.0f, 0};
+  const album_style style = {.folder = j->o->report, .width = 1280, .height = 960};
   if (!album_write(&j->pictures, &style)) return 0;
   if (j->s.facts.hands != 0) {
     snprintf(path, sizeof path, "%s/forces.png", j->o->report);

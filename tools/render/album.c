@@ -68,7 +68,7 @@ static int write_one(const picture_source *p, const album_style *s, canvas *c, c
                      bounds extent, montage *sheet) {
   char caption[MONTAGE_CAPTION];
   char path[PATH_ROOM];
-  picture_style style = picture_style_default(extent);
+  picture_style style = picture_style_default(extent, s->look);
   style.cloth.strain = s->strain;
   style.caption = caption;
   snprintf(caption, sizeof caption, "tick %u  %.3f s", p->tick, (double)p->tick / p->rate_hz);
@@ -88,6 +88,15 @@ static int write_sheet(const montage *sheet, const char *folder) {
   return 0;
 }
 
+static camera album_camera(const album_style *s, bounds extent) {
+  if (s->has_focus) {
+    const v3 reach = {s->reach, s->reach, s->reach};
+    extent = (bounds){v3_sub(s->focus, reach), v3_add(s->focus, reach)};
+  }
+  return s->has_view ? camera_frame(extent, s->yaw, s->pitch, s->width, s->height)
+                     : camera_default(extent, s->width, s->height);
+}
+
 int album_write(const album *a, const album_style *s) {
   const bounds extent = album_bounds(a);
   canvas c;
@@ -97,8 +106,7 @@ int album_write(const album *a, const album_style *s) {
     fprintf(stderr, "%ux%u: not enough memory for pictures of this size\n", s->width, s->height);
     return 0;
   }
-  const camera cam = s->has_view ? camera_frame(extent, s->yaw, s->pitch, s->width, s->height)
-                                 : camera_default(extent, s->width, s->height);
+  const camera cam = album_camera(s, extent);
   montage_open(&sheet, s->width, s->height, TILE_WIDTH);
   int good = 1;
   for (size_t n = 0; good && n < a->count; ++n) {

@@ -6,6 +6,7 @@
 
 #include <stddef.h>
 
+#include "tools/render/cloth_style.h"
 #include "tools/render/picture_source.h"
 
 enum { ALBUM_PICTURES_MAX = 5000 };
@@ -20,7 +21,11 @@ typedef struct {
   uint32_t width, height;
   int has_view;      /* else chosen from the pictures */
   float yaw, pitch;  /* degrees */
+  int has_focus;     /* else all of the run is framed */
+  v3 focus;          /* mm */
+  float reach;       /* mm: what the camera frames about the focus */
   int strain;        /* colour by strain */
+  cloth_look look;
 } album_style;
 
 void album_open(album *a);

@@ -2,6 +2,7 @@
 #include "tools/render/canvas.h"
 
 #include <errno.h>
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -158,42 +159,68 @@ void canvas_triangle(canvas *c, const canvas_vertex *v0, const canvas_vertex *v1
   }
 }
 
-static double to_segment(double px, double py, double x0, double y0, double x1, double y1) {
-  const double dx = x1 - x0, dy = y1 - y0, square = dx * dx + dy * dy;
-  double t = square > 0.0 ? ((px - x0) * dx + (py - y0) * dy) / square : 0.0;
+/* In samples. */
+typedef struct {
+  double x0, y0, x1, y1, half;
+  float depth0, depth1;
+  rgb colour;
+  float alpha;
+} segment;
+
+/* How far a place is from the segment; *share: how far along it is nearest. */
+static double to_segment(const segment *l, double px, double py, double *share) {
+  const double dx = l->x1 - l->x0, dy = l->y1 - l->y0, square = dx * dx + dy * dy;
+  double t = square > 0.0 ? ((px - l->x0) * dx + (py - l->y0) * dy) / square : 0.0;
   t = t < 0.0 ? 0.0 : t > 1.0 ? 1.0 : t;
-  const double ox = px - x0 - t * dx, oy = py - y0 - t * dy;
+  const double ox = px - l->x0 - t * dx, oy = py - l->y0 - t * dy;
+  *share = t;
   return sqrt(ox * ox + oy * oy);
 }
 
-void canvas_line(canvas *c, float fx0, float fy0, float fx1, float fy1, float width, rgb colour,
-                 float alpha) {
-  const double s = c->scale, half = 0.5 * (double)width * s;
-  const double x0 = (double)fx0 * s, y0 = (double)fy0 * s, x1 = (double)fx1 * s,
-               y1 = (double)fy1 * s;
-  if (!isfinite(x0 + y0 + x1 + y1)) return;
-  const double reach = half + 1.0;
-  const uint32_t top = bounded(floor(fmin(y0, y1) - reach), c->rows);
-  const uint32_t bottom = bounded(ceil(fmax(y0, y1) + reach), c->rows);
+static void draw_segment(canvas *c, const segment *l) {
+  if (!isfinite(l->x0 + l->y0 + l->x1 + l->y1)) return;
+  const double reach = l->half + 1.0;
+  const uint32_t top = bounded(floor(fmin(l->y0, l->y1) - reach), c->rows);
+  const uint32_t bottom = bounded(ceil(fmax(l->y0, l->y1) + reach), c->rows);
   for (uint32_t row = top; row < bottom; row++) {
     /* Only the columns near the segment in this row: long slanted lines stay cheap. */
-    double from = fmin(x0, x1), to = fmax(x0, x1);
-    if (fabs(y1 - y0) > 1e-9 && fabs(x1 - x0) > 1e-9) {
-      const double slope = (x1 - x0) / (y1 - y0), steep = sqrt(1.0 + slope * slope) * reach;
-      const double middle = x0 + slope * ((double)row + 0.5 - y0);
+    double from = fmin(l->x0, l->x1), to = fmax(l->x0, l->x1);
+    if (fabs(l->y1 - l->y0) > 1e-9 && fabs(l->x1 - l->x0) > 1e-9) {
+      const double slope = (l->x1 - l->x0) / (l->y1 - l->y0);
+      const double steep = sqrt(1.0 + slope * slope) * reach;
+      const double middle = l->x0 + slope * ((double)row + 0.5 - l->y0);
       from = fmax(from, middle - steep);
       to = fmin(to, middle + steep);
     }
     const uint32_t left = bounded(floor(from - reach), c->columns);
     const uint32_t right = bounded(ceil(to + reach), c->columns);
     for (uint32_t column = left; column < right; column++) {
-      const double d = to_segment((double)column + 0.5, (double)row + 0.5, x0, y0, x1, y1);
-      const double cover = half - d + 0.5;
+      double along;
+      const double d = to_segment(l, (double)column + 0.5, (double)row + 0.5, &along);
+      const double cover = l->half - d + 0.5;
       if (cover <= 0.0) continue;
-      const float share = cover < 1.0 ? (float)cover : 1.0f;
-      blend(c, (size_t)row * c->columns + column, colour, share * alpha);
+      const size_t at = (size_t)row * c->columns + column;
+      if (l->depth0 + (l->depth1 - l->depth0) * (float)along < c->depth[at]) continue;
+      blend(c, at, l->colour, (cover < 1.0 ? (float)cover : 1.0f) * l->alpha);
     }
   }
+}
+
+void canvas_line(canvas *c, float x0, float y0, float x1, float y1, float width, rgb colour,
+                 float alpha) {
+  const double s = c->scale;
+  const segment l = {(double)x0 * s, (double)y0 * s, (double)x1 * s, (double)y1 * s,
+                     0.5 * (double)width * s, FLT_MAX, FLT_MAX, colour, alpha};
+  draw_segment(c, &l);
+}
+
+void canvas_wire(canvas *c, const canvas_vertex *from, const canvas_vertex *to, float width,
+                 rgb colour, float alpha) {
+  const double s = c->scale;
+  const segment l = {(double)from->x * s, (double)from->y * s, (double)to->x * s,
+                     (double)to->y * s,   0.5 * (double)width * s, from->depth, to->depth,
+                     colour,              alpha};
+  draw_segment(c, &l);
 }
 
 void canvas_disc(canvas *c, float x, float y, float radius, rgb colour, float alpha) {

@@ -20,7 +20,7 @@ typedef struct {
   float *depth;           /* larger is nearer; -INFINITY where nothing is */
 } canvas;
 
-enum { CANVAS_ATTRIBUTES = 12 };
+enum { CANVAS_ATTRIBUTES = 18 };
 
 /* `depth` is linear on the screen: 1/w of a perspective camera, minus the distance of a parallel
  * one. `over_w` is 1/w or 1: attributes are interpolated in space, not on the screen. */
@@ -54,6 +54,9 @@ void canvas_triangle(canvas *c, const canvas_vertex *v0, const canvas_vertex *v1
 /* Flat ones lie over everything and leave the depth alone. Edges are anti-aliased. */
 void canvas_line(canvas *c, float x0, float y0, float x1, float y1, float width, rgb colour,
                  float alpha);
+/* As canvas_line(), but what the depth buffer has before it hides it. */
+void canvas_wire(canvas *c, const canvas_vertex *from, const canvas_vertex *to, float width,
+                 rgb colour, float alpha);
 void canvas_disc(canvas *c, float x, float y, float radius, rgb colour, float alpha);
 void canvas_box(canvas *c, float x0, float y0, float x1, float y1, rgb colour, float alpha);
 

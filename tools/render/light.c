@@ -64,3 +64,26 @@ rgb lighting_shade(const lighting *l, const material *m, v3 at, v3 normal, v3 sm
                m->colour.g * (a * warm.g + b * cool.g) + d,
                m->colour.b * (a * warm.b + b * cool.b) + d};
 }
+
+/* Kajiya and Kay: what a fibre scatters depends on the angles to its direction alone. */
+rgb lighting_shade_fibre(const lighting *l, const fibre *f, v3 at, v3 towards) {
+  const float facing = v3_dot(f->smooth, l->key);
+  const float grazing = clamp01(facing * 4.0f + 0.6f * f->thread);
+  const float open = grazing > 0.0f ? grazing * lighting_open_sky(l, at, f->smooth) : 0.0f;
+  const float tl = v3_dot(f->along, l->key), te = v3_dot(f->along, towards);
+  const float sl = sqrtf(clamp01(1.0f - tl * tl)), se = sqrtf(clamp01(1.0f - te * te));
+  const v3 normal = v3_unit(v3_along(f->normal, f->smooth, 0.8f));
+  const float lambert = clamp01(v3_dot(normal, l->key));
+  const float direct = (lambert + (sl - lambert) * f->thread) * open * f->open;
+  float shine = clamp01(sl * se - tl * te);
+  for (int k = 0; k < 4; k++) shine *= shine;
+  const float fill = clamp01(v3_dot(normal, l->fill) * 0.8f + 0.2f);
+  const float sky = 0.5f + 0.5f * normal.y;
+  const rgb warm = {1.04f, 0.98f, 0.88f}, cool = {0.80f, 0.92f, 1.08f};
+  const float a = 1.15f * direct;
+  const float b = (0.16f * fill + 0.20f * sky + 0.06f) * (0.75f + 0.25f * open) * f->open;
+  const float d = f->gloss * shine * open * f->open;
+  return (rgb){f->colour.r * (a * warm.r + b * cool.r) + d,
+               f->colour.g * (a * warm.g + b * cool.g) + d,
+               f->colour.b * (a * warm.b + b * cool.b) + d};
+}

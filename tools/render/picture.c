@@ -6,15 +6,18 @@
 #include "tools/render/body_picture.h"
 #include "tools/render/font.h"
 #include "tools/render/light.h"
+#include "tools/render/weave_picture.h"
+#include "tools/render/wire_picture.h"
 
 enum { MAP_SIDE = 1536, SAMPLES = 2 };
 
-picture_style picture_style_default(bounds frame) {
-  return (picture_style){.cloth = cloth_style_default(),
-                         .top = rgb_hex(0xEEF0F2),
-                         .bottom = rgb_hex(0xC9CDD2),
+picture_style picture_style_default(bounds frame, cloth_look look) {
+  const int wire = look == LOOK_WIRE;
+  return (picture_style){.cloth = cloth_style_default(look),
+                         .top = rgb_hex(wire ? 0xFFFFFF : 0xEEF0F2),
+                         .bottom = rgb_hex(wire ? 0xFFFFFF : 0xC9CDD2),
                          .frame = frame,
-                         .floor = 1};
+                         .ground = !wire};
 }
 
 static float diagonal(bounds b) {
@@ -36,7 +39,7 @@ static void draw_ground(canvas *c, const camera *cam, const lighting *light,
     const v3 at = v3_along(centre, n, v3_dot(v3_sub(body->position, centre), n));
     ground_draw(c, cam, light, at, n, 1.6f * size, 10.0f);
   }
-  if (planes || !style->floor) return;
+  if (planes) return;
   centre.y = b.low.y - 0.03f * size;
   ground_draw(c, cam, light, centre, (v3){0, 1, 0}, 1.1f * size, 0.0f);
 }
@@ -65,6 +68,17 @@ static void draw_text(canvas *c, const picture_style *style) {
             rgb_hex(0x3A4048), FONT_LEFT);
 }
 
+static int draw_cloth(canvas *c, const camera *cam, const lighting *light,
+                      const picture_source *source, const cloth_style *style) {
+  switch (style->look) {
+    case LOOK_SHEET: return sheet_picture_draw(c, cam, light, source, style);
+    case LOOK_YARN: return weave_picture_draw(c, cam, light, source, style);
+    case LOOK_WIRE: break;
+  }
+  if (light) wire_picture_draw(c, cam, source, style); /* wires cast no shadow */
+  return 1;
+}
+
 int picture_draw(canvas *c, const camera *cam, const picture_source *source,
                  const picture_style *style) {
   lighting light;
@@ -72,16 +86,16 @@ int picture_draw(canvas *c, const camera *cam, const picture_source *source,
   bounds_join(&over, style->frame);
   const float texels = 2.0f * diagonal(over) / (0.98f * MAP_SIDE);
   if (!lighting_open(&light, over, fmaxf(0.7f * source->spacing, texels), MAP_SIDE)) return 0;
-  int good = sheet_picture_draw(&light.map, &light.sun, NULL, source, &style->cloth);
+  int good = draw_cloth(&light.map, &light.sun, NULL, source, &style->cloth);
   for (uint32_t k = 0; k < source->body_count; k++)
     body_draw(&light.map, &light.sun, NULL, source->bodies + k);
 
   canvas_fill(c, style->top, style->bottom);
-  draw_ground(c, cam, &light, source, style);
+  if (style->ground) draw_ground(c, cam, &light, source, style);
   for (uint32_t k = 0; k < source->body_count; k++)
     body_draw(c, cam, &light, source->bodies + k);
   pins_draw(c, cam, &light, source);
-  good = sheet_picture_draw(c, cam, &light, source, &style->cloth) && good;
+  good = draw_cloth(c, cam, &light, source, &style->cloth) && good;
   draw_text(c, style);
   lighting_close(&light);
   return good;

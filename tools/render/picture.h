@@ -14,10 +14,10 @@ typedef struct {
   rgb top, bottom;     /* background */
   bounds frame;        /* what the run's camera frames: ground and shadows keep still with it */
   const char *caption; /* below left; NULL: none */
-  int floor;           /* a faint floor below the frame, where the world has no plane */
+  int ground;          /* its planes, or, where it has none, a faint floor below the frame */
 } picture_style;
 
-picture_style picture_style_default(bounds frame);
+picture_style picture_style_default(bounds frame, cloth_look look);
 
 /* What a picture of this world, as it stands, has to show. Over a run: bounds_join() them, then
  * bounds_within() the start. */

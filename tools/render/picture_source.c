@@ -10,6 +10,8 @@ uint32_t picture_springs(uint32_t warps, uint32_t wefts) {
 
 void picture_source_close(picture_source *s) {
   free(s->crossings);
+  free(s->split);
+  free(s->parted);
   free(s->pinned);
   free(s->springs);
   free(s->load);
@@ -23,11 +25,14 @@ int picture_source_reserve(picture_source *s, uint32_t warps, uint32_t wefts, ui
   const size_t crossings = (size_t)warps * wefts, springs = picture_springs(warps, wefts);
   /* One more of each: calloc(0) may return NULL. */
   s->crossings = calloc(crossings + 1, sizeof *s->crossings);
+  s->split = calloc(crossings + 1, sizeof *s->split);
+  s->parted = calloc(crossings + 1, sizeof *s->parted);
   s->pinned = calloc(crossings + 1, sizeof *s->pinned);
   s->springs = calloc(springs + 1, sizeof *s->springs);
   s->load = calloc(springs + 1, sizeof *s->load);
   s->bodies = calloc((size_t)bodies + 1, sizeof *s->bodies);
-  if (!s->crossings || !s->pinned || !s->springs || !s->load || !s->bodies) {
+  if (!s->crossings || !s->split || !s->parted || !s->pinned || !s->springs || !s->load ||
+      !s->bodies) {
     picture_source_close(s);
     return 0;
   }
@@ -49,6 +54,29 @@ static picture_body body_in_mm(const fray_body *b, float mm_per_q24) {
   out.position = in_mm(b->position, mm_per_q24);
   for (int k = 0; k < 3; k++) out.axes[k] = in_mm(b->axes + 3 * k, q30);
   return out;
+}
+
+/* The particles of a crossing's weft and warp: one and the same until it splits. */
+static void particles_at(const fray_world *world, uint32_t crossing, uint32_t at[AXES]) {
+  at[AXIS_WEFT] = fray_particle_at(world, crossing);
+  at[AXIS_WARP] = at[AXIS_WEFT];
+}
+
+static void read_crossing(picture_source *s, const fray_world *world, const fray_particles *p,
+                          uint32_t crossing, float mm_per_q24) {
+  uint32_t n[AXES];
+  v3 at[AXES];
+  particles_at(world, crossing, n);
+  for (int axis = 0; axis < AXES; axis++) {
+    if (n[axis] >= p->count) return;
+    const int32_t q24[3] = {p->x[n[axis]], p->y[n[axis]], p->z[n[axis]]};
+    at[axis] = in_mm(q24, mm_per_q24);
+  }
+  s->crossings[crossing] = v3_scale(v3_add(at[AXIS_WEFT], at[AXIS_WARP]), 0.5f);
+  s->parted[crossing] = v3_scale(v3_sub(at[AXIS_WARP], at[AXIS_WEFT]), 0.5f);
+  s->split[crossing] = n[AXIS_WEFT] != n[AXIS_WARP];
+  const uint32_t holder = n[0] < p->held ? fray_holder(world, n[0]) : UINT32_MAX;
+  s->pinned[crossing] = holder < s->body_count && s->bodies[holder].shape == FRAY_ANCHOR;
 }
 
 static void read_springs(picture_source *s, const fray_world *world, const fray_particles *p,
@@ -81,20 +109,14 @@ int picture_source_read(picture_source *s, const fray_world *world) {
   s->weave_columns = sheet.weave_columns;
   s->weave_rows = sheet.weave_rows;
   s->weave = sheet.weave;
+  s->thickness = (float)facts.thickness * mm_per_q24;
   s->tick = facts.tick;
   s->rate_hz = facts.rate_hz;
   for (uint32_t k = 0; k < facts.bodies; k++) {
     const fray_body b = fray_view_body(world, k);
     s->bodies[k] = body_in_mm(&b, mm_per_q24);
   }
-  for (uint32_t k = 0; k < s->warps * s->wefts; k++) {
-    const uint32_t n = fray_particle_at(world, k);
-    if (n >= p.count) continue;
-    const int32_t at[3] = {p.x[n], p.y[n], p.z[n]};
-    s->crossings[k] = in_mm(at, mm_per_q24);
-    const uint32_t holder = n < p.held ? fray_holder(world, n) : UINT32_MAX;
-    s->pinned[k] = holder < s->body_count && s->bodies[holder].shape == FRAY_ANCHOR;
-  }
+  for (uint32_t k = 0; k < s->warps * s->wefts; k++) read_crossing(s, world, &p, k, mm_per_q24);
   read_springs(s, world, &p, facts.rows[FRAY_STRUCTURAL], mm_per_q24);
   return 1;
 }

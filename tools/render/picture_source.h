@@ -11,6 +11,7 @@
 #include "tools/render/vec3.h"
 
 enum { SPRING_NONE = 0, SPRING_ALIVE = 1, SPRING_CUT = 2 };
+enum { AXIS_WEFT = 0, AXIS_WARP = 1, AXES = 2 };
 
 typedef struct {
   fray_shape shape;
@@ -25,7 +26,10 @@ typedef struct {
   uint32_t weave_columns, weave_rows;
   uint64_t weave;
   float spacing;   /* mean rest length */
-  v3 *crossings;   /* [j * warps + i] */
+  float thickness; /* of the cloth */
+  v3 *crossings;   /* [j * warps + i]; of a split one the middle between its two particles */
+  uint8_t *split;  /* per crossing: its yarns have a particle each */
+  v3 *parted;      /* half the way from the weft's particle to the warp's; 0 where not split */
   uint8_t *pinned; /* per crossing: held in place by an anchor */
   uint8_t *springs; /* SPRING_*, by canonical number, see fray_sheet */
   float *load;     /* per spring: strain over the strain at which it is cut; < 0: slack */

@@ -20,27 +20,6 @@ typedef struct {
   uint32_t pieces; /* a cell is drawn as pieces x pieces quads */
 } sheet_job;
 
-cloth_style cloth_style_default(void) {
-  return (cloth_style){rgb_hex(0x3D75A8), rgb_hex(0x86AFCB), {1.28f, 0.86f, 0.74f}, 0};
-}
-
-rgb cloth_strain_colour(float load) {
-  const rgb white = rgb_hex(0xF0EEEA), red = rgb_hex(0xC81E1E), blue = rgb_hex(0x2456B8);
-  return load >= 0.0f ? rgb_mix(white, red, clamp01(load)) : rgb_mix(white, blue, clamp01(-load));
-}
-
-/* Every yarn is a little different: from its number alone, so pictures of a run agree. */
-static float yarn_tone(uint32_t n) {
-  n = (n ^ 61u) * 0x9E3779B1u;
-  n = (n ^ (n >> 15)) * 0x85EBCA6Bu;
-  return (float)(n >> 16 & 1023u) / 1023.0f;
-}
-
-static rgb yarn_colour(const cloth_style *style, int warp, uint32_t number) {
-  const float tone = 0.93f + 0.14f * yarn_tone(number * 2u + (warp ? 1u : 0u));
-  return rgb_scale(warp ? style->warp : style->weft, tone);
-}
-
 /* The surface of a crossing as the eye meets it: which yarn is on top, how it bends away. */
 static canvas_sample shade_cloth(const void *context, const float *a, int front) {
   const sheet_job *k = context;
@@ -69,7 +48,7 @@ static canvas_sample shade_cloth(const void *context, const float *a, int front)
   if (k->style->strain) {
     colour = rgb_scale(cloth_strain_colour(a[LOAD]), 0.35f + 0.65f * shade);
   } else {
-    colour = rgb_scale(yarn_colour(k->style, warp_on_top, warp_on_top ? i : j), shade);
+    colour = rgb_scale(cloth_yarn_colour(k->style, warp_on_top, warp_on_top ? i : j), shade);
     const rgb mean = rgb_scale(rgb_mix(k->style->warp, k->style->weft, 0.5f), 0.9f);
     colour = rgb_mix(mean, colour, 0.25f + 0.75f * t);
     if (!front) {
@@ -162,7 +141,7 @@ static void draw_cell(const sheet_job *k, uint32_t i, uint32_t j) {
 
 static rgb spring_colour(const sheet_job *k, int warp, uint32_t number, uint32_t crossing) {
   if (k->style->strain) return rgb_scale(cloth_strain_colour(k->load[crossing]), 0.95f);
-  return yarn_colour(k->style, warp, number);
+  return cloth_yarn_colour(k->style, warp, number);
 }
 
 /* Off the surface, to the side on which the weave has this yarn. */
@@ -207,8 +186,8 @@ static void draw_end(const sheet_job *k, uint32_t i, uint32_t j, int warp, float
   const rgb colour = spring_colour(k, warp, warp ? i : j, at);
   for (uint32_t f = 0; f < 3; f++) {
     const uint32_t seed = (at * 4u + (warp ? 2u : 0u) + (sign > 0 ? 1u : 0u)) * 3u + f;
-    const float length = s->spacing * (held_on ? 0.7f + 0.8f * yarn_tone(seed) : 0.35f);
-    const float splay = 0.30f * ((float)f - 1.0f) + 0.7f * (yarn_tone(seed + 7919u) - 0.5f);
+    const float length = s->spacing * (held_on ? 0.7f + 0.8f * cloth_random(seed) : 0.35f);
+    const float splay = 0.30f * ((float)f - 1.0f) + 0.7f * (cloth_random(seed + 7919u) - 0.5f);
     yarn y = {.count = 5, .lift = 0.10f * s->spacing, .first = along};
     for (uint32_t n = 0; n < y.count; n++) {
       const float q = (float)n / (float)(y.count - 1);

@@ -5,17 +5,9 @@
 
 #include "tools/render/camera.h"
 #include "tools/render/canvas.h"
+#include "tools/render/cloth_style.h"
 #include "tools/render/light.h"
 #include "tools/render/picture_source.h"
-
-typedef struct {
-  rgb warp, weft;
-  rgb back;    /* the other side's colours are multiplied by this */
-  int strain;  /* 1: blue (slack), white (at rest), red (about to be cut) */
-} cloth_style;
-
-cloth_style cloth_style_default(void);
-rgb cloth_strain_colour(float load); /* -1..1 */
 
 /* light NULL: depth only, as a shadow map wants it. Returns 0 iff memory ran out. */
 int sheet_picture_draw(canvas *c, const camera *cam, const lighting *light,
