@@ -29,7 +29,7 @@ IMAGE_16 := $(BUILD)/id16/tests/unit/test_image
 FX_NARROW := $(addprefix $(BUILD)/narrow/tests/unit/,test_fx test_sweep)
 
 .PHONY: all help run test clean san san-integer checked golden golden-update fuzz tidy size stack work budget-update \
-        proof install bench force targets target-test can-test bus-test bus-test-qemu bus-soak
+        proof install bench figures force targets target-test can-test bus-test bus-test-qemu bus-soak
 all: $(FRAY) ## build the `fray` command
 
 help: ## list the targets
@@ -130,6 +130,9 @@ target-test: $(FRAY) $(HELPERS) ## run them in QEMU at stated rates, and try the
 
 can-test: $(FRAY) $(HELPERS) ## the bare-metal CAN port in sessions on an emulated ZCU102
 	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) sh tests/target/zcu102.sh
+
+figures: $(FRAY) ## pictures of the scenes in tests/figures/list.txt; FIGURES="figure8" picks, SIZE=800x450
+	@FRAY=$(FRAY) BUILD=$(BUILD) SIZE="$(SIZE)" sh tests/figures/figures.sh $(FIGURES)
 
 proof: $(RT_LIB) ## warnings of every compiler, gcc's analyzer, MISRA, Frama-C Eva (minutes)
 	@BUILD=$(BUILD) sh tests/proof/proof.sh

@@ -33,6 +33,7 @@ typedef struct {
   const options *o;
   session s;
   uint32_t start, end;   /* ticks computed: at the start, and where the run ends */
+  uint32_t tears;        /* springs cut until the last picture */
   uint32_t *ticks;       /* of the pictures, rising */
   size_t count;
 } render_job;
@@ -40,7 +41,8 @@ typedef struct {
 static void print_usage(FILE *out) {
   fputs("usage: fray render X.scene|X.img [options]\n"
         "\n"
-        "Runs a scene or image and writes DIR/frame_<ticks>.png and DIR/sheet.png (all of them).\n"
+        "Runs a scene or image and writes DIR/frame_<ticks>.png and DIR/sheet.png, a contact sheet\n"
+        "of them (of 48 at most, evenly chosen).\n"
         "\n"
         "  --log IN.log          the inputs: a device log or a recording (candump -L)\n"
         "  --key FILE            of a recording under a key\n"
@@ -54,6 +56,7 @@ static void print_usage(FILE *out) {
         "  --focus X,Y,Z,R       frames what is within R cm of this place, in cm (default: all)\n"
         "  --yarn                every yarn a spline, over and under the others\n"
         "  --wire                springs as lines: the sheet magenta, what has split into yarns cyan\n"
+        "                        (with --yarn: two pictures of each moment, frame_ and wire_)\n"
         "  --strain              colour by strain: blue slack, white at rest, red about to tear\n"
         "  -o DIR                default out/render\n"
         "\n"
@@ -125,8 +128,8 @@ static int parse_options(options *o, const char *every, const char *length, cons
     fprintf(stderr, "fray render: --at, --every and --frames exclude each other\n");
     return 0;
   }
-  if (o->wire + (o->yarn || o->strain) > 1) {
-    fprintf(stderr, "fray render: --wire goes neither with --yarn nor with --strain\n");
+  if (o->wire && o->strain) {
+    fprintf(stderr, "fray render: --wire and --strain exclude each other\n");
     return 0;
   }
   return (every == NULL || parse_one_time("--every", every, &o->every_s)) &&
@@ -221,6 +224,7 @@ static int run_world(render_job *job, album *pictures) {
     for (; tick < job->ticks[n]; tick++) {
       fray_output output;
       fray_tick(job->s.opened.world, session_input(&job->s, tick - job->start), &output);
+      job->tears = output.cuts_total;
       progress_show("run", tick - job->start, job->end - job->start);
     }
     if (!album_add(pictures, job->s.opened.world)) {
@@ -245,7 +249,8 @@ static int render_world(render_job *job) {
                              .focus = {f[0] * 10.0f, f[1] * 10.0f, f[2] * 10.0f},
                              .reach = f[3] * 10.0f,
                              .strain = o->strain,
-                             .look = o->wire ? LOOK_WIRE : o->yarn ? LOOK_YARN : LOOK_SHEET};
+                             .yarn = o->yarn,
+                             .wire = o->wire};
   album pictures;
   int code = EXIT_FAILED;
   album_open(&pictures);
@@ -257,7 +262,10 @@ static int render_world(render_job *job) {
     else if (run_world(job, &pictures) && album_write(&pictures, &style))
       code = EXIT_GOOD;
   }
-  if (code == EXIT_GOOD) printf("%zu pictures and sheet.png in %s\n", job->count, o->folder);
+  if (code == EXIT_GOOD) {
+    printf("%zu moments and sheet.png in %s, %" PRIu32 " tears\n", job->count, o->folder,
+           job->tears);
+  }
   free(job->ticks);
   album_close(&pictures);
   return code;

@@ -9,7 +9,7 @@
 #include "tools/render/cloth_style.h"
 #include "tools/render/picture_source.h"
 
-enum { ALBUM_PICTURES_MAX = 5000 };
+enum { ALBUM_PICTURES_MAX = 5000, ALBUM_SHEET_MOMENTS = 48 };
 
 typedef struct {
   picture_source *pictures;
@@ -25,14 +25,15 @@ typedef struct {
   v3 focus;          /* mm */
   float reach;       /* mm: what the camera frames about the focus */
   int strain;        /* colour by strain */
-  cloth_look look;
+  int yarn, wire;    /* how the cloth is shown; both: each moment in two pictures */
 } album_style;
 
 void album_open(album *a);
 /* Keeps the world as it stands. Returns 0 iff memory ran out or the album is full. */
 int album_add(album *a, const fray_world *world);
-/* Writes FOLDER/frame_<ticks>.png and FOLDER/sheet.png with all of them; makes the folder.
- * Returns 1, or 0 after a message to stderr. */
+/* Writes FOLDER/frame_<ticks>.png and FOLDER/sheet.png, which has all of them, or, of more than
+ * ALBUM_SHEET_MOMENTS, so many at even steps; makes the folder. With yarns and wires, the wires are
+ * FOLDER/wire_<ticks>.png. Returns 1, or 0 after a message to stderr. */
 int album_write(const album *a, const album_style *style);
 void album_close(album *a);
 
