@@ -55,9 +55,11 @@ $(BUILD)/%.o: %.c
 # what must not wrap unless it says so: the runtime, and what computes images
 $(BUILD)/rt/%.o $(BUILD)/tools/build/%.o: FLAGS += $(EXACT)
 
-# pictures are the same to the byte everywhere: no fused products, no x87
-SSE = $(if $(filter 1,$(shell echo __i386__ | $(CC) $(EXTRA) -E -P -x c - 2>/dev/null)),-msse2 -mfpmath=sse)
-$(BUILD)/tools/render/%.o: FLAGS += -ffp-contract=off $(SSE)
+# pictures are the same to the byte everywhere: no fused products, no x87, no floats in doubles
+MACROS = $(shell echo __i386__ __s390__ | $(CC) $(EXTRA) -E -P -x c - 2>/dev/null)
+FLOATS = $(if $(filter 1,$(word 1,$(MACROS))),-msse2 -mfpmath=sse) \
+         $(if $(filter 1,$(word 2,$(MACROS))),-fexcess-precision=fast)
+$(BUILD)/tools/render/%.o: FLAGS += -ffp-contract=off $(FLOATS)
 
 $(TESTS) $(HELPERS): $(BUILD)/%: $(BUILD)/%.o $(TOOLS_LIB) $(RT_LIB)
 	@$(CC) $(EXTRA) $(filter %.o,$^) $(filter %.a,$^) -lm -pthread -o $@

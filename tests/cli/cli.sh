@@ -52,7 +52,31 @@ wants 2 "--ticks '0', expected a number from 1" "$FRAY" run "$image" --ticks 0
 wants 2 "--ticks 'many'" "$FRAY" run "$image" --ticks many
 wants 2 "--ticks, expected a value" "$FRAY" run "$image" --ticks
 wants 2 "expected a number from 0 to 7" "$FRAY" run "$image" --instance 8
+wants 2 "--frames '0', expected a number from 1 to 5000" "$FRAY" render "$image" --frames 0
+wants 2 "--frames 7, but the run has 5 ticks" "$FRAY" render "$image" --frames 7 --for 5ms
+wants 2 "--at, --every and --frames exclude each other" "$FRAY" render "$image" --frames 3 --every 10ms
+wants 2 "--at, --every and --frames exclude each other" "$FRAY" render "$image" --frames 3 --at 10ms
+wants 2 "--wire and --strain exclude each other" "$FRAY" render "$image" --wire --strain
+wants 2 "--focus 1,2,3, expected X,Y,Z,R in cm" "$FRAY" render "$image" --focus 1,2,3
+wants 2 "--focus 1,2,3,0, expected X,Y,Z,R in cm" "$FRAY" render "$image" --focus 1,2,3,0
+wants 2 "--size 63x900, expected WIDTHxHEIGHT, 64 to 4096" "$FRAY" render "$image" --size 63x900
+wants 2 "--view up, expected YAW,PITCH" "$FRAY" render "$image" --view up
+wants 2 "--every 5, expected a time" "$FRAY" render "$image" --every 5
+wants 1 "cannot be" "$FRAY" render "$image" --at 1ms -o /dev/null/x
 wants 2 "--instance" "$FRAY" verify "$log" --scene "$image" --instance 9
+
+# ---- frames: so many, evenly, the first and the last among them; two looks; one contact sheet
+frames=$cd_work/frames
+wants 0 "3 moments and sheet.png in $frames, 0 tears" "$FRAY" render "$image" --for 9ms --frames 3 --yarn --wire --size 80x64 -o "$frames"
+found=$(cd "$frames" && echo *)
+expected="frame_00000.png frame_00005.png frame_00009.png sheet.png wire_00000.png wire_00005.png wire_00009.png"
+if [ "$found" = "$expected" ]; then pass; else fail "frames: $found, expected $expected"; fi
+wants 0 "60 moments" "$FRAY" render "$image" --for 59ms --frames 60 --size 64x64 -o "$frames.many"
+wants 0 "1 moments" "$FRAY" render "$image" --for 4ms --frames 1 --size 64x64 -o "$frames.one"
+if [ "$(cd "$frames.one" && echo *)" = "frame_00004.png sheet.png" ]; then pass; else fail "one frame is not the last"; fi
+mv "$frames" "$frames.first"
+"$FRAY" render "$image" --for 9ms --frames 3 --yarn --wire --size 80x64 -o "$frames" >/dev/null
+if diff -r "$frames.first" "$frames"; then pass; else fail "pictures of one run differ"; fi
 
 # ---- files that are not there, or cannot be written
 for name in none.scene none.img; do

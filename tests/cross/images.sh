@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # images.sh [here|only NAME...]: one scene gives the same image, byte for byte, from the scene
-# compiler of every compiler and machine, and one script the same log. `here` makes those to compare
-# with, `only` does not make them again.
+# compiler of every compiler and machine, one script the same log, and one run the same pictures in
+# every look. `here` makes those to compare with, `only` does not make them again.
 . tests/lib/suite.sh
 . tests/cross/configs.sh
 
@@ -21,7 +21,15 @@ make_all() { # PROGRAM FOLDER
     $1 scene "$scene" -o "$2/$(basename "$scene" .scene).img" >"$2/said.txt" || return 1
   done
   # shellcheck disable=SC2086
-  $1 hand -o "$2/torn.log" tests/cross/torn.hand
+  $1 hand -o "$2/torn.log" tests/cross/torn.hand && make_pictures "$1" "$2"
+}
+
+make_pictures() { # PROGRAM FOLDER
+  for looks in --strain '--yarn --wire' '--yarn --strain --view -160,20 --focus 0.3,0,0,0.5'; do
+    # shellcheck disable=SC2086
+    $1 render "$2/torn.img" --log "$2/torn.log" $looks --at 0.3s,0.9s --size 320x240 \
+      -o "$2/look$(echo "$looks" | tr -d ' ,.')" >"$2/said.txt" || return 1
+  done
 }
 
 if [ "$mode" = only ]; then list="$*"; else make_all "$FRAY" "$work/here"; fi
@@ -36,9 +44,10 @@ for name in $list; do
     fail "images of $name: not made"
     continue
   fi
-  for file in "$work/here"/*.img "$work/here/torn.log"; do
-    if cmp "$file" "$work/$name/$(basename "$file")"; then pass; else fail "$name: $file"; fi
+  files=$(cd "$work/here" && find . -name '*.img' -o -name '*.png' -o -name torn.log)
+  for file in $files; do
+    if cmp "$work/here/$file" "$work/$name/$file"; then pass; else fail "$name: $file"; fi
   done
-  printf '  %-14s %s\n' "$name" "$(find "$work/$name" -name '*.img' | wc -l) images and a log compared"
+  printf '  %-14s %s\n' "$name" "$(find "$work/$name" -name '*.img' | wc -l) images, $(find "$work/$name" -name '*.png' | wc -l) pictures and a log compared"
 done
 suite_end

@@ -138,8 +138,8 @@ static void put_tables(encoder *e, const huffman *literal, const huffman *distan
   uint32_t literals = LITERALS, distances = DISTANCES, sent = LENGTH_CODES;
   while (literals > 257 && !literal->length[literals - 1]) literals--;
   while (distances > 1 && !distance->length[distances - 1]) distances--;
-  memcpy(lengths, literal->length, literals);
-  memcpy(lengths + literals, distance->length, distances);
+  for (uint32_t k = 0; k < literals; k++) lengths[k] = (uint8_t)literal->length[k];
+  for (uint32_t k = 0; k < distances; k++) lengths[literals + k] = (uint8_t)distance->length[k];
   const uint32_t n = runs_of(lengths, literals + distances, runs);
   for (uint32_t k = 0; k < n; k++) counts[runs[k].symbol]++;
   huffman code;

@@ -27,7 +27,7 @@ double portable_power(double v, int n) {
 
 /* Newton's steps fall from above, and have arrived when they no longer fall. */
 double portable_root(double v, int n) {
-  if (!(v > 0.0)) return 0.0;
+  if (!(v > 0.0) || n == 1) return v > 0.0 ? v : 0.0;
   double root = v > 1.0 ? v : 1.0;
   for (int round = 0; round < 2000; round++) {
     const double next = root - (root - v / portable_power(root, n - 1)) / (double)n;

@@ -7,7 +7,8 @@
 
 #include <float.h>
 
-_Static_assert(FLT_EVAL_METHOD == 0, "pictures need float arithmetic in floats: -mfpmath=sse");
+_Static_assert(FLT_EVAL_METHOD == 0,
+               "pictures need floats that are computed as floats: see FLOATS in the Makefile");
 
 double portable_sin(double radians); /* to 1e-12, |radians| up to 1e6 */
 double portable_cos(double radians);

@@ -12,7 +12,7 @@ static void draw_wire(canvas *c, const camera *cam, const picture_source *s, v3 
   canvas_vertex a, b;
   if (!camera_project(cam, from, &a) || !camera_project(cam, to, &b)) return;
   const float pixels = s->spacing * camera_pixels(cam, from);
-  const float width = fminf(1.6f, fmaxf(0.7f, 0.16f * pixels));
+  const float width = fminf(1.8f, fmaxf(0.9f, 0.2f * pixels));
   canvas_wire(c, &a, &b, width, colour, 0.9f);
 }
 
