@@ -64,8 +64,12 @@ static void draw_text(canvas *c, const picture_style *style) {
   const float unit = fmaxf(1.0f, roundf((float)c->width / 640.0f));
   if (style->cloth.strain) draw_strain_key(c);
   if (!style->caption) return;
-  font_draw(c, 14.0f * unit, (float)c->height - 21.0f * unit, unit, style->caption,
-            rgb_hex(0x3A4048), FONT_LEFT);
+  /* A light rim: the caption may stand before cloth. */
+  for (int n = 0; n < 5; n++) {
+    static const float rim[5][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}, {0, 0}};
+    font_draw(c, (14.0f + rim[n][0]) * unit, (float)c->height + (rim[n][1] - 21.0f) * unit, unit,
+              style->caption, n < 4 ? style->bottom : rgb_hex(0x3A4048), FONT_LEFT);
+  }
 }
 
 static int draw_cloth(canvas *c, const camera *cam, const lighting *light,
