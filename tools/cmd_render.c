@@ -41,8 +41,8 @@ typedef struct {
 static void print_usage(FILE *out) {
   fputs("usage: fray render X.scene|X.img [options]\n"
         "\n"
-        "Runs a scene or image and writes DIR/frame_<ticks>.png and DIR/sheet.png, a contact sheet\n"
-        "of them (of 48 at most, evenly chosen).\n"
+        "Runs a scene or image and writes DIR/frame_<ticks>.png and DIR/sheet.png, a contact\n"
+        "sheet of them (of 48 at most, evenly chosen).\n"
         "\n"
         "  --log IN.log          the inputs: a device log or a recording (candump -L)\n"
         "  --key FILE            of a recording under a key\n"
@@ -55,7 +55,7 @@ static void print_usage(FILE *out) {
         "  --view YAW,PITCH      degrees to the right and up (default: chosen from the scene)\n"
         "  --focus X,Y,Z,R       frames what is within R cm of this place, in cm (default: all)\n"
         "  --yarn                every yarn a spline, over and under the others\n"
-        "  --wire                springs as lines: the sheet magenta, what has split into yarns cyan\n"
+        "  --wire                springs as lines: the sheet magenta, what has split cyan\n"
         "                        (with --yarn: two pictures of each moment, frame_ and wire_)\n"
         "  --strain              colour by strain: blue slack, white at rest, red about to tear\n"
         "  -o DIR                default out/render\n"
@@ -176,8 +176,8 @@ static int take_at(render_job *job) {
 static int take_frames(render_job *job) {
   const uint32_t frames = job->o->frames, ticks = job->end - job->start;
   if (frames > ticks + 1) {
-    fprintf(stderr, "fray render: --frames %" PRIu32 ", but the run has %" PRIu32 " ticks\n", frames,
-            ticks);
+    fprintf(stderr, "fray render: --frames %" PRIu32 ", but the run has %" PRIu32 " ticks\n",
+            frames, ticks);
     return 0;
   }
   for (uint32_t n = 0; n < frames; n++) {
@@ -296,8 +296,10 @@ int cmd_render(int argc, char **argv) {
   }
   if (wish == OPTIONS_GOOD && o.file == NULL)
     fprintf(stderr, "fray render: expected a scene or an image; fray render --help tells more\n");
-  if (wish == OPTIONS_WRONG || o.file == NULL || !parse_options(&o, every, length, size, view, focus))
+  if (wish == OPTIONS_WRONG || o.file == NULL ||
+      !parse_options(&o, every, length, size, view, focus)) {
     return EXIT_USAGE;
+  }
   if (o.key != NULL && o.log == NULL) {
     fprintf(stderr, "fray render: --key goes with --log\n");
     return EXIT_USAGE;

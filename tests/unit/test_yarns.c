@@ -90,7 +90,8 @@ static void a_yarn_is_its_points_and_pieces(void) {
   CHECK(make_sheet(&s, &weaves[0]));
   s.springs[picture_weft_spring(&s, 6, 2)] = SPRING_CUT;
   CHECK(yarn_axes_open(&axes, &s));
-  const yarn_path weft = yarn_path_of(&axes, AXIS_WEFT, 2), warp = yarn_path_of(&axes, AXIS_WARP, 6);
+  const yarn_path weft = yarn_path_of(&axes, AXIS_WEFT, 2);
+  const yarn_path warp = yarn_path_of(&axes, AXIS_WARP, 6);
   CHECK_EQ_INT(weft.count, WARPS);
   CHECK_EQ_INT(warp.count, WEFTS);
   CHECK_EQ_INT(yarn_path_crossing(&weft, 5), 2 * WARPS + 5);

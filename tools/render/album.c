@@ -81,7 +81,8 @@ static int write_one(album_job *k, const picture_source *p, cloth_look look, int
   style.cloth.strain = k->style->strain;
   style.caption = caption;
   snprintf(caption, sizeof caption, "tick %u  %.3f s", p->tick, (double)p->tick / p->rate_hz);
-  snprintf(path, sizeof path, "%s/%s_%05u.png", k->style->folder, beside ? "wire" : "frame", p->tick);
+  snprintf(path, sizeof path, "%s/%s_%05u.png", k->style->folder, beside ? "wire" : "frame",
+           p->tick);
   errno = ENOMEM;
   if (picture_draw(&k->c, &k->cam, p, &style) && canvas_write(&k->c, path) &&
       (!on_sheet || montage_add(&k->sheet, &k->c, caption))) {

@@ -7,8 +7,8 @@
 
 enum { HUFFMAN_SYMBOLS_MAX = 288, HUFFMAN_BITS_MAX = 15 };
 
-/* Both arrays have one stride: where a loop walked bytes and halves side by side, gcc 12 for aarch64
- * dropped the stores to the codes. */
+/* Both arrays have one stride: where a loop walked bytes and halves side by side, gcc 12 for
+ * aarch64 dropped the stores to the codes. */
 typedef struct {
   uint16_t length[HUFFMAN_SYMBOLS_MAX]; /* 0: the symbol does not occur */
   uint16_t code[HUFFMAN_SYMBOLS_MAX];  /* bit-reversed, ready to be sent lowest bit first */

@@ -74,7 +74,8 @@ static tube_ring ring_between(const weave_job *k, walker *w, uint32_t point, flo
   const uint32_t here = yarn_path_crossing(path, point);
   const uint32_t there = s > 0.0f ? yarn_path_crossing(path, point + 1) : here;
   const float soft = s * s * (3.0f - 2.0f * s);
-  const float tight = yarn_axes_tight(axes, here) * (1.0f - soft) + yarn_axes_tight(axes, there) * soft;
+  const float tight =
+      yarn_axes_tight(axes, here) * (1.0f - soft) + yarn_axes_tight(axes, there) * soft;
   v3 other = axes->normal[there];
   const v3 away_here = v3_scale(axes->normal[here], yarn_axes_side(axes, path->axis, here));
   const v3 away_there = v3_scale(other, yarn_axes_side(axes, path->axis, there));
@@ -156,7 +157,8 @@ static void draw_end(weave_job *k, const yarn_end *e) {
   const float length = k->source->spacing * (e->torn ? torn_length : rim_length);
   const v3 side = v3_unit(v3_cross(e->base.along, e->base.up));
   const uint32_t seed = e->number * 2u + 40503u;
-  const float left = 0.5f * (cloth_random(seed) - 0.5f), lift = 0.5f * (cloth_random(seed + 1u) - 0.5f);
+  const float left = 0.5f * (cloth_random(seed) - 0.5f);
+  const float lift = 0.5f * (cloth_random(seed + 1u) - 0.5f);
   v3 bend = v3_along(v3_scale(side, left), e->base.up, lift);
   if (!e->torn) bend = (v3){0, 0, 0};
   k->pen.colour = e->colour;
