@@ -14,6 +14,7 @@ typedef __m256i lane_mask; /* all ones or all zeros a lane */
 #define LANES_INLINE static inline __attribute__((always_inline))
 
 LANES_INLINE lanes lanes_all(int32_t v) { return _mm256_set1_epi32(v); }
+LANES_INLINE lanes lanes_word(const int32_t *v) { return _mm256_set1_epi32(*v); }
 LANES_INLINE lanes lanes_add(lanes a, lanes b) { return _mm256_add_epi32(a, b); }
 LANES_INLINE lanes lanes_sub(lanes a, lanes b) { return _mm256_sub_epi32(a, b); }
 LANES_INLINE lanes lanes_mul(lanes a, lanes b) { return _mm256_mullo_epi32(a, b); }
@@ -62,6 +63,13 @@ LANES_INLINE lanes lanes_load_ids(const row_id *from) {
   return _mm256_loadu_si256((const __m256i *)(const void *)from);
 #endif
 }
+/* Whether the ids are first, first + 1, ... */
+LANES_INLINE int lanes_count_up(lanes ids, row_id first) {
+  const __m256i n = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+  const __m256i run = _mm256_add_epi32(n, _mm256_set1_epi32((int32_t)first));
+  const __m256i other = _mm256_xor_si256(ids, run);
+  return _mm256_testz_si256(other, other);
+}
 /* Bit n: id n does not follow id n - 1. */
 LANES_INLINE uint32_t lanes_breaks(lanes ids) {
   const __m256i before = _mm256_permutevar8x32_epi32(ids, _mm256_setr_epi32(0, 0, 1, 2, 3, 4, 5, 6));
@@ -76,6 +84,10 @@ LANES_INLINE lane_mask lanes_between(uint32_t bits, uint32_t first, uint32_t end
 }
 LANES_INLINE lanes lanes_load_kinds(const uint8_t *from) {
   return _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)from));
+}
+LANES_INLINE int lanes_all_equal(lanes v, uint32_t to) {
+  const __m256i other = _mm256_xor_si256(v, _mm256_set1_epi32((int32_t)to));
+  return _mm256_testz_si256(other, other);
 }
 LANES_INLINE lane_mask lanes_equal(lanes a, lanes b) { return _mm256_cmpeq_epi32(a, b); }
 LANES_INLINE lane_mask lanes_differ(lanes a, lanes b) {

@@ -14,6 +14,7 @@ typedef __mmask16 lane_mask;
 #define LANES_INLINE static inline __attribute__((always_inline))
 
 LANES_INLINE lanes lanes_all(int32_t v) { return _mm512_set1_epi32(v); }
+LANES_INLINE lanes lanes_word(const int32_t *v) { return _mm512_set1_epi32(*v); }
 LANES_INLINE lanes lanes_add(lanes a, lanes b) { return _mm512_add_epi32(a, b); }
 LANES_INLINE lanes lanes_sub(lanes a, lanes b) { return _mm512_sub_epi32(a, b); }
 LANES_INLINE lanes lanes_mul(lanes a, lanes b) { return _mm512_mullo_epi32(a, b); }
@@ -57,6 +58,12 @@ LANES_INLINE lanes lanes_load_ids(const row_id *from) {
   return _mm512_loadu_si512(from);
 #endif
 }
+/* Whether the ids are first, first + 1, ... */
+LANES_INLINE int lanes_count_up(lanes ids, row_id first) {
+  const __m512i n = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  return _mm512_cmpneq_epi32_mask(
+             ids, _mm512_add_epi32(n, _mm512_set1_epi32((int32_t)first))) == 0;
+}
 /* Bit n: id n does not follow id n - 1. */
 LANES_INLINE uint32_t lanes_breaks(lanes ids) {
   const __m512i before = _mm512_alignr_epi32(ids, ids, 15);
@@ -69,6 +76,9 @@ LANES_INLINE lane_mask lanes_between(uint32_t bits, uint32_t first, uint32_t end
 }
 LANES_INLINE lanes lanes_load_kinds(const uint8_t *from) {
   return _mm512_cvtepu8_epi32(_mm_loadu_si128((const __m128i *)(const void *)from));
+}
+LANES_INLINE int lanes_all_equal(lanes v, uint32_t to) {
+  return _mm512_cmpneq_epi32_mask(v, _mm512_set1_epi32((int32_t)to)) == 0;
 }
 LANES_INLINE lane_mask lanes_equal(lanes a, lanes b) { return _mm512_cmpeq_epi32_mask(a, b); }
 LANES_INLINE lane_mask lanes_differ(lanes a, lanes b) { return _mm512_cmpneq_epi32_mask(a, b); }

@@ -17,6 +17,14 @@ enum {
   LINK_HORNER_0 = LINK_PSI_0 * 32768 + (1 << 14)
 };
 
+/* The constants of the wide projection, in memory, where lanes take them in one go: compilers would
+ * make each anew for every few rows. */
+typedef struct {
+  int32_t way_half, hi_most, hi_least, e_half, u_half, u_least, psi_2, horner_1, horner_0, f_half,
+      step_half;
+} link_words;
+extern const link_words wide_link_words;
+
 typedef struct {
   int32_t *restrict x, *restrict y, *restrict z;
   const row_id *i, *j;

@@ -76,8 +76,12 @@ LANES_INLINE lanes pairs_class(const pairs *p, const int32_t *words, uint32_t wo
   return lanes_of(words, at);
 }
 
+/* `half` is half of 2^s */
+LANES_INLINE lanes lanes_round_with(lanes v, lanes half, unsigned s) {
+  return lanes_asr(lanes_add(v, lanes_add(lanes_sign(v), half)), s);
+}
 LANES_INLINE lanes lanes_round(lanes v, unsigned s) {
-  return lanes_asr(lanes_add(v, lanes_add(lanes_sign(v), lanes_all((int32_t)1 << (s - 1)))), s);
+  return lanes_round_with(v, lanes_all((int32_t)1 << (s - 1)), s);
 }
 LANES_INLINE lanes lanes_clamp(lanes v, int32_t bound) {
   return lanes_max(lanes_min(v, lanes_all(bound)), lanes_all(-bound));
@@ -103,6 +107,16 @@ LANES_INLINE void pairs_some(const pair_rows *s, uint32_t row, uint32_t count, i
   const lanes ids_i = whole ? lanes_load_ids(i) : lanes_load_ids_part(i, count);
   const lanes ids_j = whole ? lanes_load_ids(j) : lanes_load_ids_part(j, count);
   const lanes kinds = whole ? lanes_load_kinds(kind) : lanes_load_kinds_part(kind, count);
+  if (whole && *kind != ROW_DEAD && lanes_count_up(ids_i, *i) && lanes_count_up(ids_j, *j) &&
+      lanes_all_equal(kinds, *kind)) {
+    p.run_i[0].from = *i;
+    p.run_j[0].from = *j;
+    p.one_class = 1;
+    p.kind = *kind;
+    p.way = PAIRS_WHOLE;
+    take(view, &p);
+    return;
+  }
   const lane_mask used = lanes_above(kinds, lanes_all(ROW_DEAD)); /* none beyond count */
   const uint32_t alive = lanes_bits(used);
   if (alive == 0) return;
@@ -112,13 +126,6 @@ LANES_INLINE void pairs_some(const pair_rows *s, uint32_t row, uint32_t count, i
   const uint32_t others = lanes_bits(lanes_differ(kinds, lanes_all((int32_t)p.kind))) & alive;
   uint32_t breaks =
       (lanes_breaks(ids_i) | lanes_breaks(ids_j)) & (0xFFFFFFFFu >> (32u - count));
-  if (whole && breaks == 0 && others == 0 && alive == (uint32_t)LANES_ALL) {
-    p.run_i[0].from = *i;
-    p.run_j[0].from = *j;
-    p.way = PAIRS_WHOLE;
-    take(view, &p);
-    return;
-  }
   if (others != 0 || __builtin_popcount(breaks) >= PAIRS_RUNS) {
     lanes_store((int32_t *)p.i, lanes_pick(used, ids_i, lanes_all((int32_t)i[first])));
     lanes_store((int32_t *)p.j, lanes_pick(used, ids_j, lanes_all((int32_t)j[first])));

@@ -6,23 +6,26 @@
 #include "rt/wide/link.h"
 #include "rt/wide/pairs.h"
 
-LANES_INLINE lanes project_factor(lanes n, const pairs *p, const link_class *c) {
+LANES_INLINE lanes project_factor(lanes n, const pairs *p, const link_class *c,
+                                  const link_words *k) {
   const lanes e = lanes_sub(n, pairs_class(p, &c->r2, LINK_CLASS_WORDS));
   const lanes inverse = pairs_class(p, &c->inverse, LINK_CLASS_WORDS);
   const lanes push = pairs_class(p, &c->push, LINK_CLASS_WORDS);
-  const lanes scaled = lanes_mul(lanes_asr(lanes_add(e, lanes_all(16)), 5), inverse);
-  const lanes u = lanes_max(lanes_asr(lanes_add(scaled, lanes_all(1 << 10)), 11),
-                            lanes_all(LINK_U_LEAST));
+  const lanes scaled = lanes_mul(lanes_asr(lanes_add(e, lanes_word(&k->e_half)), 5), inverse);
+  const lanes u = lanes_max(lanes_asr(lanes_add(scaled, lanes_word(&k->u_half)), 11),
+                            lanes_word(&k->u_least));
   const lanes u_q15 = lanes_asr(u, 5);
-  const lanes slope = lanes_asr(lanes_add(lanes_mul(u_q15, lanes_all(LINK_PSI_2)),
-                                          lanes_all(LINK_HORNER_1)), 15);
-  const lanes psi = lanes_asr(lanes_add(lanes_mul(u_q15, slope), lanes_all(LINK_HORNER_0)), 18);
-  const lanes f = lanes_asr(lanes_add(lanes_mul(u, psi), lanes_all(1 << 12)), 13);
+  const lanes slope = lanes_asr(lanes_add(lanes_mul(u_q15, lanes_word(&k->psi_2)),
+                                          lanes_word(&k->horner_1)), 15);
+  const lanes psi =
+      lanes_asr(lanes_add(lanes_mul(u_q15, slope), lanes_word(&k->horner_0)), 18);
+  const lanes f = lanes_asr(lanes_add(lanes_mul(u, psi), lanes_word(&k->f_half)), 13);
   return lanes_pick(lanes_below_zero(u), lanes_asr(lanes_mul(f, push), 12), f);
 }
 
 LANES_INLINE void project_pairs(const void *view, const pairs *p) {
   const link_view *s = (const link_view *)view;
+  const link_words *k = &wide_link_words;
   int32_t *const at[3] = {s->x, s->y, s->z};
   lanes i[3];
   lanes j[3];
@@ -32,16 +35,18 @@ LANES_INLINE void project_pairs(const void *view, const pairs *p) {
     i[n] = pairs_fetch_i(p, at[n]);
     j[n] = pairs_fetch_j(p, at[n]);
     d[n] = lanes_sub(j[n], i[n]);
-    hi[n] = lanes_clamp(lanes_round(d[n], LINK_SHIFT), LINK_HI_MAX);
+    const lanes rounded = lanes_round_with(d[n], lanes_word(&k->way_half), LINK_SHIFT);
+    hi[n] = lanes_max(lanes_min(rounded, lanes_word(&k->hi_most)), lanes_word(&k->hi_least));
   }
   const lanes n_hi = lanes_dot(hi, hi);
   const lanes cross = lanes_sub(lanes_dot(hi, d), lanes_shl(n_hi, LINK_SHIFT));
   const lanes n_max = pairs_class(p, &s->classes->n_max, LINK_CLASS_WORDS);
   /* what is clamped comes out above n_max, whatever stands in its low bits */
   const lanes n = lanes_min(lanes_add(n_hi, lanes_asr(cross, LINK_SHIFT - 1)), n_max);
-  const lanes f = project_factor(n, p, s->classes);
+  const lanes f = project_factor(n, p, s->classes, k);
   for (int a = 0; a < 3; ++a) {
-    const lanes c = lanes_round(lanes_mul(hi[a], f), 20 - LINK_SHIFT);
+    const lanes c =
+        lanes_round_with(lanes_mul(hi[a], f), lanes_word(&k->step_half), 20 - LINK_SHIFT);
     pairs_put_i(p, at[a], lanes_add(i[a], c));
     pairs_put_j(p, at[a], lanes_sub(j[a], c));
   }

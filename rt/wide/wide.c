@@ -3,6 +3,11 @@
 
 #include "rt/model/world.h"
 
+const link_words wide_link_words = {1 << (LINK_SHIFT - 1), LINK_HI_MAX,   -LINK_HI_MAX,
+                                    16,                    1 << 10,       LINK_U_LEAST,
+                                    LINK_PSI_2,            LINK_HORNER_1, LINK_HORNER_0,
+                                    1 << 12,               1 << (19 - LINK_SHIFT)};
+
 #define WIDE_IS(SET, set) kernel == FRAY_KERNEL_##SET ||
 
 int fray_use(fray_world *world, fray_kernel kernel) {
