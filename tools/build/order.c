@@ -50,15 +50,15 @@ static int contours_along_yarns(const draft *d) {
   return along > links / 4;
 }
 
-/* Where a particle stands in memory: held ones by body; the others by level, each level along its
- * contours. So the rows of a batch, which all go from one contour to the next in the same way, have
- * long runs in which both ends are neighbours in memory. Contours that go along yarns are dealt into
- * four planes, by number modulo 4: a link reaches to the next plane, a bend spring to the one after. */
 typedef struct {
   uint64_t key;
   uint32_t crossing;
 } place;
 
+/* Where a particle stands in memory: held ones by body; the others by level, each level along its
+ * contours. So the rows of a batch, which all go from one contour to the next in the same way, have
+ * long runs in which both ends are neighbours in memory. Contours that go along yarns are dealt into
+ * four planes, by number modulo 4: a link reaches to the next plane, a bend spring to the one after. */
 static place place_in_memory(const draft *d, uint32_t c, int planes) {
   static const uint32_t turn[4] = {0, 2, 1, 3};
   if (d->holder[c] != DRAFT_FREE) return (place){d->holder[c], c};

@@ -70,19 +70,16 @@ static draft_row make_row(const draft *d, uint32_t canonical) {
   return r;
 }
 
-/* Rows go eight at a time at least; runs of fewer than RUN_LEAST are gathered. */
-enum { RUN_LEAST = 3 };
-
 /* Links of all colours go outwards together, each colour some levels behind the one before it, so far
  * that they meet nowhere: one batch for each level, and not one for each level and colour. Links from
  * level to level lead: behind the others they hold a sheet less well. */
 static void set_steps(draft_row *rows, uint32_t count) {
+  static const uint32_t turn[LINK_COLOURS] = {4, 6, 0, 2, 1, 3, 5, 7};
   uint32_t used[LINK_COLOURS] = {0};
   uint32_t behind[LINK_COLOURS];
   for (uint32_t n = 0; n < count; ++n)
     if (rows[n].kind == BATCH_FREE) used[rows[n].colour] = 1;
   uint32_t levels = 0;
-  static const uint32_t turn[LINK_COLOURS] = {4, 6, 0, 2, 1, 3, 5, 7};
   for (uint32_t k = 0; k < LINK_COLOURS; ++k) {
     const uint32_t c = turn[k];
     behind[c] = levels + (c >= LINK_ACROSS ? used[c] : 0);
@@ -113,8 +110,9 @@ static int compare_rows(const void *left, const void *right) {
   return order != 0 ? order : compare(a->canonical, b->canonical);
 }
 
-/* Rows in no run, and the rest of a run that does not fill the lanes, go behind the others of their
- * batch, where they are gathered together. */
+enum { RUN_LEAST = 3 };
+
+/* Rows in shorter runs go behind the others of their batch, where wide kernels gather them. */
 static void find_singles(draft_row *rows, uint32_t count) {
   uint32_t first = 0;
   for (uint32_t n = 1; n <= count; ++n) {
