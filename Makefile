@@ -28,7 +28,7 @@ FAULT_O := $(patsubst %,$(BUILD)/faults/platform/linux/%.o,board bus_log can_soc
 IMAGE_16 := $(BUILD)/id16/tests/unit/test_image
 FX_NARROW := $(addprefix $(BUILD)/narrow/tests/unit/,test_fx test_sweep)
 
-.PHONY: all help run test clean san san-integer checked golden golden-update fuzz tidy size stack work budget-update \
+.PHONY: all help run test clean san san-integer san-thread checked golden golden-update fuzz tidy size stack work budget-update \
         proof install bench figures force targets target-test can-test bus-test bus-test-qemu bus-soak
 all: $(FRAY) ## build the `fray` command
 
@@ -102,6 +102,9 @@ san: ## every test program and the command, under sanitizers of gcc and clang
 
 san-integer: ## rt and the scene compiler under clang's integer sanitizer: a wrap is meant or a bug
 	$(MAKE) test SUITES=cli BUILD=build-san-integer CC=clang OPT=-O2 EXTRA="-fsanitize=undefined $(SANITIZE)" EXACT=-fsanitize=integer
+
+san-thread: $(FRAY) ## the threads that share a tick, under clang's thread sanitizer
+	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) sh tests/workers/workers.sh race
 
 checked: ## every test program and the command, where a sum out of its range traps
 	$(MAKE) test SUITES=cli BUILD=build-checked EXTRA=-DFRAY_CHECKED

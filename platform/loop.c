@@ -68,7 +68,7 @@ static void obey_reset(loop *l) {
   guard_clear(l->in.guard);
 }
 
-loop_result loop_run(loop *l) {
+loop_result loop_take(loop *l) {
   const codec_sync sync = {l->tick, l->hash};
   frame f;
   const int32_t missed = platform_wait();
@@ -89,10 +89,20 @@ loop_result loop_run(loop *l) {
   send_unsent(l); /* now or never: also when HALT has to wait */
   if (l->halt != 0 && l->input.verb != FRAY_VERB_HALT) return LOOP_BUS_LOST;
   l->halt = 0;
-  fray_tick(l->world, &l->input, &l->output);
+  return LOOP_TICKED;
+}
+
+void loop_give(loop *l) {
   obey_reset(l);
   l->tick = l->output.tick + 1u;
   l->hash = (uint32_t)(l->output.hash & 0xFFFFFFFFu);
   send_outputs(l);
+}
+
+loop_result loop_run(loop *l) {
+  const loop_result result = loop_take(l);
+  if (result != LOOP_TICKED) return result;
+  fray_tick(l->world, &l->input, &l->output);
+  loop_give(l);
   return LOOP_TICKED;
 }

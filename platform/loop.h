@@ -44,6 +44,11 @@ void loop_protect(loop *l, guard *g);
  * the same SYNC is tried again. LOOP_STOPPED: platform_wait() said so. */
 loop_result loop_run(loop *l);
 
+/* The same in two halves, for who computes ticks with more than fray_tick(): between them, after
+ * LOOP_TICKED, l->input goes into the tick and what comes out goes to l->output. */
+loop_result loop_take(loop *l);
+void loop_give(loop *l);
+
 /* The verb goes over the bus as a COMMAND of the loop's own and acts in the next tick, instead of
  * what the bus says: a COMMAND that came for this tick is dropped without an ACK. HALT after a lost
  * bus takes the place of a verb that still waits. STOP when the program ends. */

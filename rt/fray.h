@@ -164,6 +164,56 @@ size_t fray_save(const fray_world *world, void *buffer, size_t buffer_bytes);
 /* The most work that one tick of this world can count. */
 fray_work fray_limits(const fray_world *world);
 
+/* ---- one tick by several workers ----
+ *
+ * A share divides the ticks of one world into steps, in a fixed way, for a fixed number of workers.
+ * They compute what fray_tick() computes, to the last bit, whatever their number. The runtime has no
+ * threads of its own: the caller gives each worker one, and in every tick worker w takes steps 0, 1,
+ * ... fray_share_steps() - 1 of its own, each as soon as what it needs is there.
+ *
+ *   for (uint32_t n = 0; n < fray_share_steps(share); ++n) {
+ *     wait until (fray_share_need(share, w, n));          what the needed worker wrote is visible here
+ *     fray_share_step(share, w, n, &input, &output);
+ *     tell the others that worker w has done n + 1 steps;
+ *   }
+ *
+ * platform/linux/team.h does this with threads. Between ticks the world is as after fray_tick(): it
+ * can be saved, viewed, or stepped by fray_tick(). */
+enum { FRAY_WORKERS_MAX = 16, FRAY_EVERYONE = FRAY_WORKERS_MAX, FRAY_SHARE_ALIGN = 64 };
+
+typedef struct fray_share fray_share;
+
+/* How many steps of which worker, or of FRAY_EVERYONE, must have been done in this tick. 0: none. */
+typedef struct {
+  uint32_t worker;
+  uint32_t steps;
+} fray_need;
+
+/* How many of so many workers are of use to this world: 1 where it is too small to be divided, or
+ * its rows leave no place to cut. Cost: constant. */
+uint32_t fray_share_useful(const fray_world *world, uint32_t workers_max);
+
+/* Bytes of memory that a share of 1 to FRAY_WORKERS_MAX workers needs. Cost: constant. */
+size_t fray_share_bytes(const fray_world *world, uint32_t workers);
+
+/* Plans the steps in the caller's memory, aligned to FRAY_SHARE_ALIGN. NULL iff the number of workers
+ * is out of range or the memory too small or not aligned. Memory and world stay the caller's and must
+ * outlive the share. Cost: linear in the structural rows. */
+fray_share *fray_share_open(fray_world *world, uint32_t workers, void *memory, size_t memory_bytes);
+
+/* 1 iff the rows still are as they were planned. Rows that die keep the plan; where rows get other
+ * ends, open the share again. Cost: linear in the structural rows. */
+int fray_share_holds(const fray_share *share);
+
+/* The same for all workers. */
+uint32_t fray_share_steps(const fray_share *share);
+/* step 0..steps-1. Cost: constant. */
+fray_need fray_share_need(const fray_share *share, uint32_t worker, uint32_t step);
+/* Only worker 0 looks at input and output. Cost of a tick's steps, all workers together: that of
+ * fray_tick(), and a few hundred instructions a step. */
+void fray_share_step(fray_share *share, uint32_t worker, uint32_t step, const fray_input *input,
+                     fray_output *output);
+
 /* ---- read-only views, valid until the next tick ---- */
 
 typedef struct {

@@ -3,7 +3,7 @@
 # run_all.sh PROGRAM...: runs the test programs, then the shell suites that SUITES names. One line a
 # suite as it goes; the output of a failing one; last one line `N passed, N failed`.
 set -eu
-SUITES=${SUITES:-tidy cli hashes images symbols stack size budget_rules cmac_constant dbc_readers consumer}
+SUITES=${SUITES:-tidy cli workers hashes images symbols stack size budget_rules cmac_constant dbc_readers consumer}
 FRAY_BUILD=${BUILD:-build}
 FRAY=${FRAY:-$FRAY_BUILD/fray}
 export FRAY FRAY_BUILD

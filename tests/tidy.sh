@@ -8,7 +8,8 @@ work=$FRAY_BUILD/tidy
 mkdir -p "$work"
 find rt platform tools tests -name '*.[ch]' | sort >"$work/sources"
 
-# floors: rt/fray.h 0, base 1, wire 2, model and wide 3, stage 4, run 5, platform 6, tools 7, tests 8
+# floors: rt/fray.h 0, base 1, wire 2, model and wide 3, stage 4, run and share 5, platform 6, tools 7,
+# tests 8
 xargs awk '
   function floor(path) {
     if (path == "rt/fray.h") return 0
@@ -16,7 +17,7 @@ xargs awk '
     if (path ~ /^rt\/wire\//) return 2
     if (path ~ /^rt\/(model|wide)\//) return 3
     if (path ~ /^rt\/stage\//) return 4
-    if (path ~ /^rt\/run\//) return 5
+    if (path ~ /^rt\/(run|share)\//) return 5
     if (path ~ /^platform\//) return 6
     if (path ~ /^tools\//) return 7
     if (path ~ /^tests\//) return 8

@@ -8,14 +8,16 @@
 #include <string.h>
 
 #include "tools/bench/result.h"
+#include "tools/bench/shared_ticks.h"
 #include "tools/bench/sheets.h"
 #include "tools/options.h"
 
-enum { SHEET_TICKS = 200, SCENE_TICKS = 1000, TICKS_MAX = 100000, RUN_ROWS_LEAST = 1000 };
+enum { SHEET_TICKS = 200, SCENE_TICKS = 1000, TICKS_MAX = 100000, RUN_ROWS_LEAST = 1000,
+       SHARED_TICKS = 300 };
 
 typedef struct {
   const char *scene, *log, *key, *kernel, *json_file, *rows_file;
-  uint32_t ticks;
+  uint32_t ticks, workers;
   int sweep, machine;
 } wishes;
 
@@ -35,6 +37,7 @@ static void print_usage(FILE *out) {
           "  --machine        says what figures belong to: processor and compiler\n"
           "  --sweep          instead: time per tick against crossings, 1k to 250k\n"
           "  --ticks N        how many (default: the log's, or 1000; of a sheet 200)\n"
+          "  --workers N      also ticks shared by N threads, beside those of one (default 2)\n"
           "  --kernel NAME    scalar, avx2, avx512, neon (default: all; --sweep: the fastest)\n"
           "  --json FILE      everything, as JSON\n"
           "  --rows FILE      rows for the tables of `make bench`, added to FILE\n\n"
@@ -124,6 +127,10 @@ static int bench_session(const char *name, const session *s, const wishes *wish,
     return 1;
   }
   put_result(to, &r);
+  shared_times shared;
+  if (!shared_ticks_time(s, ticks < SHARED_TICKS ? ticks : SHARED_TICKS, wish->workers, &shared))
+    return 1;
+  shared_ticks_print(stdout, &shared);
   return kernels_agree(&r) ? 0 : 1;
 }
 
@@ -191,11 +198,13 @@ static const char *contradiction(const wishes *wish) {
 int cmd_bench(int argc, char **argv) {
   wishes wish;
   memset(&wish, 0, sizeof wish);
+  wish.workers = 2;
   const option table[] = {{"--log", &wish.log, NULL, NULL, 0, 0},
                           {"--key", &wish.key, NULL, NULL, 0, 0},
                           {"--machine", NULL, NULL, &wish.machine, 0, 0},
                           {"--sweep", NULL, NULL, &wish.sweep, 0, 0},
                           {"--ticks", NULL, &wish.ticks, NULL, 1, TICKS_MAX},
+                          {"--workers", NULL, &wish.workers, NULL, 1, 16},
                           {"--kernel", &wish.kernel, NULL, NULL, 0, 0},
                           {"--json", &wish.json_file, NULL, NULL, 0, 0},
                           {"--rows", &wish.rows_file, NULL, NULL, 0, 0}};

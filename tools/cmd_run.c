@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tools/crew.h"
 #include "tools/kernel.h"
 #include "tools/live.h"
 #include "tools/options.h"
@@ -22,7 +23,7 @@ enum { DEFAULT_TICKS = 1000, PICTURES = 8, PATH_ROOM = 1024, PRIORITY = 80 };
 
 typedef struct {
   const char *file, *log, *record, *report, *save, *can;
-  uint32_t ticks, instance, priority, cpu;
+  uint32_t ticks, instance, priority, cpu, workers;
   int realtime;
   const char *kernel;
   bus_key_options key;
@@ -31,6 +32,7 @@ typedef struct {
 typedef struct {
   const run_options *o;
   session s;
+  crew crew;
   uint32_t ticks;      /* to run */
   FILE *out;           /* the recording, or NULL */
   record recording;
@@ -57,7 +59,9 @@ static void print_usage(FILE *out) {
           "  --can IFACE      runs on a SocketCAN interface until --ticks or SIGINT;\n"
           "                   --record then logs everything that passes on the bus\n"
           "  --realtime       SCHED_FIFO (--priority N, default 80) and locked memory\n"
-          "  --cpu N          pins the process to a CPU\n"
+          "  --cpu N          pins the process to a CPU, workers to those from it on\n"
+          "  --workers N      threads that share a tick (default 1; 0: as many as are of use); the\n"
+          "                   same hashes for any number\n"
           "  --key FILE       with --can: takes and sends POSE, COMMAND, FORCE, ACK with a tag\n"
           "                   under this key only, on CAN FD; with --log: of such a recording.\n"
           "                   32 hex digits, mode 0600\n"
@@ -103,7 +107,7 @@ static int take_picture(run_job *j, uint32_t n, int tore_first) {
 
 static int step(run_job *j, uint32_t n) {
   const fray_input *input = session_input(&j->s, n);
-  fray_tick(j->s.opened.world, input, &j->last);
+  team_tick(&j->crew.team, input, &j->last);
   j->faults |= j->last.faults;
   const int tore_first = j->first_cut == UINT32_MAX && j->last.work.cuts != 0;
   if (tore_first) j->first_cut = j->last.tick;
@@ -126,6 +130,13 @@ static int run(run_job *j) {
   const int closed = fclose(j->out) == 0;
   j->out = NULL;
   return (good && closed) || fail(j->o->record);
+}
+
+static int run_crew(run_job *j) {
+  if (!crew_open(&j->crew, j->s.opened.world, j->o->workers, TEAM_ANY_CPU)) return 0;
+  const int good = run(j);
+  crew_close(&j->crew);
+  return good;
 }
 
 static int save(const run_job *j) {
@@ -216,7 +227,7 @@ static void print_end(const run_job *j, const piece *pieces, uint32_t count) {
 static int run_live(run_job *j) {
   const run_options *o = j->o;
   const live_options live = {o->can,      o->record,   o->instance, o->ticks,
-                             o->realtime, o->priority, o->cpu, o->key};
+                             o->realtime, o->priority, o->cpu, o->workers, o->key};
   piece pieces[8];
   const int code = live_run(j->s.opened.world, &live, &j->last);
   if (code == 2 || (o->save != NULL && !save(j))) return code == 2 ? 2 : 1;
@@ -247,7 +258,7 @@ static int run_all(run_job *j) {
   if (j->o->can != NULL)
     result = run_live(j);
   else
-    result = (j->o->report == NULL || album_make_folder(j->o->report)) && begin(j) && run(j) &&
+    result = (j->o->report == NULL || album_make_folder(j->o->report)) && begin(j) && run_crew(j) &&
                      finish(j)
                  ? 0
                  : 1;
@@ -264,6 +275,7 @@ int cmd_run(int argc, char **argv) {
   memset(&o, 0, sizeof o);
   o.priority = PRIORITY;
   o.cpu = LIVE_ANY_CPU;
+  o.workers = 1;
   const option table[] = {
       {"--log", &o.log, NULL, NULL, 0, 0},       {"--ticks", NULL, &o.ticks, NULL, 1, 1u << 26},
       {"--record", &o.record, NULL, NULL, 0, 0}, {"--report", &o.report, NULL, NULL, 0, 0},
@@ -272,6 +284,7 @@ int cmd_run(int argc, char **argv) {
       {"--priority", NULL, &o.priority, NULL, 1, 99},
       {"--kernel", &o.kernel, NULL, NULL, 0, 0},
       {"--cpu", NULL, &o.cpu, NULL, 0, 1023},
+      {"--workers", NULL, &o.workers, NULL, 0, FRAY_WORKERS_MAX},
       {"--key", &o.key.file, NULL, NULL, 0, 0},
       {"--classic-tags", NULL, NULL, &o.key.classic_tags, 0, 0},
       {"--freshness", &o.key.freshness, NULL, NULL, 0, 0}};

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "rt/wire/dictionary.h"
+#include "tools/crew.h"
 #include "tools/kernel.h"
 #include "tools/open.h"
 #include "tools/options.h"
@@ -20,7 +21,7 @@ typedef struct {
   const char *log_file;
   const char *scene_file;
   const char *key_file;
-  uint32_t instance;
+  uint32_t instance, workers;
   int cut;
   const char *kernel;
 } options;
@@ -29,6 +30,7 @@ typedef struct {
 typedef struct {
   const replay *log;
   fray_world *world;
+  crew crew;
   port_sender sender;
   size_t tears; /* compared so far */
   uint64_t hash;
@@ -36,7 +38,7 @@ typedef struct {
 
 static void print_usage(FILE *out) {
   fputs("usage: fray verify RUN.log --scene X.scene|X.img [--instance N] [--cut] [--key FILE]\n"
-        "                   [--kernel NAME]\n"
+        "                   [--kernel NAME] [--workers N]\n"
         "\n"
         "Replays a recording (candump -L of the bus, with its SYNCs) and compares every tick:\n"
         "the hash in SYNC, and the FORCE, ACK and TEAR frames. Prints the first tick that\n"
@@ -48,6 +50,7 @@ static void print_usage(FILE *out) {
         "                 line and what stands behind the last SYNC\n"
         "  --key FILE     of a recording under a key: frames without a good tag are no input, and\n"
         "                 are named with their line\n"
+        "  --workers N    threads that share a tick (default 1; 0: as many as are of use)\n"
         "\n"
         "exit: 0 the same, 1 differs or the recording is not complete, 2 wrong use or input\n",
         out);
@@ -111,7 +114,7 @@ static int compare_outputs(verifier *v, const replay_tick *expected, const fray_
 static int compare_tick(verifier *v, uint32_t n) {
   const replay_tick *expected = &v->log->ticks[n];
   fray_output output;
-  fray_tick(v->world, &expected->input, &output);
+  team_tick(&v->crew.team, &expected->input, &output);
   v->hash = output.hash;
   const uint32_t low = (uint32_t)(output.hash & 0xFFFFFFFFu);
   int same = 1;
@@ -171,9 +174,14 @@ static int verify_world(const options *o, candump_log *log, struct opened *opene
     candump_print_error(stderr, &error);
     return EXIT_DIFFERS;
   }
-  verifier v = {&run, opened->world, {0}, 0, fray_hash(opened->world)};
+  static verifier v;
+  v = (verifier){.log = &run, .world = opened->world, .hash = fray_hash(opened->world)};
   port_sender_init(&v.sender, o->instance, setting.hands, facts.rate_hz);
-  const int code = compare_all(&v, o->log_file);
+  int code = EXIT_USAGE;
+  if (crew_open(&v.crew, opened->world, o->workers, TEAM_ANY_CPU)) {
+    code = compare_all(&v, o->log_file);
+    crew_close(&v.crew);
+  }
   replay_free(&run);
   return code;
 }
@@ -197,9 +205,11 @@ int cmd_verify(int argc, char **argv) {
   candump_error error;
   struct opened opened;
   memset(&o, 0, sizeof o);
+  o.workers = 1;
   const option table[] = {{"--scene", &o.scene_file, NULL, NULL, 0, 0},
                           {"--instance", NULL, &o.instance, NULL, 0, 7},
                           {"--key", &o.key_file, NULL, NULL, 0, 0},
+                          {"--workers", NULL, &o.workers, NULL, 0, FRAY_WORKERS_MAX},
                           {"--cut", NULL, NULL, &o.cut, 0, 0},
                           {"--kernel", &o.kernel, NULL, NULL, 0, 0}};
   const options_result wish =

@@ -13,6 +13,7 @@
 #include "platform/linux/board.h"
 #include "platform/linux/realtime.h"
 #include "platform/loop.h"
+#include "tools/crew.h"
 
 /* A kill loses what the log has not written: 4 KiB are 14 ticks of two hands. */
 enum { FADE_TICKS_MAX = 11000, LOST_MAX = 1000, DRAIN_US = 200000, LOG_WRITE = 1 << 12 };
@@ -33,9 +34,21 @@ static void catch_signals(void) {
   asked_to_stop = 0;
 }
 
-static int prepare(const live_options *o) {
-  if (o->cpu != LIVE_ANY_CPU && !realtime_pin((int)o->cpu)) return 0;
-  return !o->realtime || (realtime_lock_memory() && realtime_schedule((int)o->priority));
+/* The threads of a crew inherit what is set before, and are pinned by it. */
+static int prepare(const live_options *o, loop *l, crew *c) {
+  const int cpu = o->cpu != LIVE_ANY_CPU ? (int)o->cpu : TEAM_ANY_CPU;
+  const int alone = team_size(l->world, o->workers) == 1;
+  if (alone && cpu != TEAM_ANY_CPU && !realtime_pin(cpu)) return 0;
+  if (o->realtime && (!realtime_lock_memory() || !realtime_schedule((int)o->priority))) return 0;
+  return crew_open(c, l->world, o->workers, alone ? TEAM_ANY_CPU : cpu);
+}
+
+static loop_result run_tick(loop *l, crew *c) {
+  const loop_result result = loop_take(l);
+  if (result != LOOP_TICKED) return result;
+  team_tick(&c->team, &l->input, &l->output);
+  loop_give(l);
+  return LOOP_TICKED;
 }
 
 static int forces_are_zero(const fray_output *out) {
@@ -46,10 +59,10 @@ static int forces_are_zero(const fray_output *out) {
 }
 
 /* STOP, then ticks until the forces have faded: the device's last word from us is zero. */
-static void fade_out(loop *l) {
+static void fade_out(loop *l, crew *c) {
   loop_command(l, FRAY_VERB_STOP);
   for (int ticks = 0, lost = 0; ticks < FADE_TICKS_MAX && lost < LOST_MAX;) {
-    if (loop_run(l) != LOOP_TICKED) {
+    if (run_tick(l, c) != LOOP_TICKED) {
       ++lost;
       continue;
     }
@@ -85,16 +98,16 @@ static void complain(const bus_key *key, int *told) {
   *told = 1;
 }
 
-static void run_ticks(loop *l, const live_options *o, bus_key *key) {
+static void run_ticks(loop *l, const live_options *o, bus_key *key, crew *c) {
   uint32_t done = 0;
   int told = 0;
   while (!asked_to_stop && (o->ticks == 0 || done < o->ticks)) {
-    if (loop_run(l) == LOOP_TICKED) ++done;
+    if (run_tick(l, c) == LOOP_TICKED) ++done;
     if (key == NULL) continue;
     complain(key, &told);
     if (!bus_key_tick(key)) break;
   }
-  fade_out(l);
+  fade_out(l, c);
 }
 
 static int protect(loop *l, const live_options *o, bus_key *key) {
@@ -106,17 +119,24 @@ static int protect(loop *l, const live_options *o, bus_key *key) {
 }
 
 /* Returns the exit code. */
-static int run_on_board(loop *l, const live_options *o, bus_key *key, int log_fd) {
-  if (!prepare(o)) return 2;
+static int run_with(loop *l, const live_options *o, bus_key *key, crew *c, int log_fd) {
   const int fd = key != NULL && !o->key.classic_tags;
   if (!board_open(o->interface, o->instance, fray_describe(l->world).rate_hz, fd, log_fd)) return 2;
   /* only now: a wrong interface must not cost the last recording */
   if (log_fd >= 0 && ftruncate(log_fd, 0) != 0) linux_board.log.lost = 1;
   linux_board.log.write_at = LOG_WRITE;
-  run_ticks(l, o, key);
+  run_ticks(l, o, key, c);
   board_close(DRAIN_US);
   print_bus(l, key);
   return 0;
+}
+
+static int run_on_board(loop *l, const live_options *o, bus_key *key, int log_fd) {
+  static crew c;
+  if (!prepare(o, l, &c)) return 2;
+  const int code = run_with(l, o, key, &c, log_fd);
+  crew_close(&c);
+  return code;
 }
 
 int live_run(fray_world *world, const live_options *o, fray_output *last) {

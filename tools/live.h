@@ -16,6 +16,7 @@ typedef struct {
   int realtime;       /* SCHED_FIFO, locked memory */
   uint32_t priority;  /* 1..99 */
   uint32_t cpu;       /* LIVE_ANY_CPU: not pinned */
+  uint32_t workers;   /* 0: as many as are of use; they are pinned to the CPUs from `cpu` on */
   bus_key_options key;
 } live_options;
 

@@ -2,15 +2,7 @@
 /* The tick: the only file that knows the order of the stages. It is the loop of Metaaphanon 2009,
  * section 4 (its step numbers at the right), with the substeps around gravity, 4 to 6 and 8; bend,
  * shear and damping act once a tick, before them. */
-#include "rt/base/bytes.h"
-#include "rt/stage/stage.h"
-
-static void begin_tick(fray_world *w) {
-  bytes_zero(w->motion, sizeof(body_motion) * w->capacity[POOL_BODIES]);
-  bytes_zero(&w->work, sizeof w->work);
-  w->cut_count = 0;
-  w->cuts_waiting = 0;
-}
+#include "rt/run/step.h"
 
 /* A seam for tools that time the stages; nothing on targets. */
 #ifndef STEP_STAGE
@@ -19,8 +11,7 @@ static void begin_tick(fray_world *w) {
 
 void fray_tick(fray_world *w, const fray_input *input, fray_output *output) {
   const uint32_t substeps = (uint32_t)w->params->substeps;
-  bytes_zero(output, sizeof *output);
-  begin_tick(w);
+  step_begin(w, output);
   STEP_STAGE(DEVICES, devices_run(w, input));
   STEP_STAGE(DAMP, damp_run(w));       /* 3 */
   STEP_STAGE(SPRINGS, springs_run(w)); /* 1, 2: bend, shear; structural ones are projected */

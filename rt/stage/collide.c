@@ -216,9 +216,13 @@ static void rest_on_planes(fray_world *w, uint32_t b) {
   }
 }
 
+void collide_part(fray_world *w, uint32_t first, uint32_t end) {
+  for (uint32_t n = first; n < end; ++n) resolve(w, &w->contacts[n]);
+  w->work.contacts += end - first;
+}
+
 void collide_run(fray_world *w) {
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
     if (w->bodies[b].motion == FRAY_FREE) rest_on_planes(w, b);
-  for (uint32_t n = 0; n < w->contact_count; ++n) resolve(w, &w->contacts[n]);
-  w->work.contacts += w->contact_count;
+  collide_part(w, 0, w->contact_count);
 }

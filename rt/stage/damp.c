@@ -53,14 +53,21 @@ __attribute__((noinline)) static void damp_relative(fray_world *w, uint32_t firs
               first, end);
 }
 
-void damp_run(fray_world *w) {
+void damp_whole(fray_world *w) {
   const uint32_t first = (uint32_t)w->params->held;
   const uint32_t end = (uint32_t)w->params->particles;
+  if (first != end && w->params->relative_damping != 0) damp_relative(w, first, end);
+}
+
+void damp_part(fray_world *w, uint32_t first, uint32_t end) {
   const int32_t drag = w->params->drag;
-  if (first == end) return;
-  if (w->params->relative_damping != 0) damp_relative(w, first, end);
   if (drag == 0) return;
   wide_drag(w->kernel, w->vx, first, end, drag);
   wide_drag(w->kernel, w->vy, first, end, drag);
   wide_drag(w->kernel, w->vz, first, end, drag);
+}
+
+void damp_run(fray_world *w) {
+  damp_whole(w);
+  damp_part(w, (uint32_t)w->params->held, (uint32_t)w->params->particles);
 }

@@ -39,14 +39,20 @@ static void push_body(fray_world *w, uint32_t b) {
   }
 }
 
-void finish_run(fray_world *w) {
-  const uint32_t first = (uint32_t)w->params->held;
-  const uint32_t end = (uint32_t)w->params->particles;
+void finish_part(fray_world *w, uint32_t first, uint32_t end) {
   wide_take_over(w->kernel, w->x, w->qx, w->vx, first, end);
   wide_take_over(w->kernel, w->y, w->qy, w->vy, first, end);
   wide_take_over(w->kernel, w->z, w->qz, w->vz, first, end);
-  for (uint32_t n = 0; n < w->contact_count; ++n)
+}
+
+void finish_contacts(fray_world *w, uint32_t first, uint32_t end) {
+  for (uint32_t n = first; n < end; ++n)
     if (w->contacts[n].touching != 0) settle_contact(w, &w->contacts[n]);
+}
+
+void finish_run(fray_world *w) {
+  finish_part(w, (uint32_t)w->params->held, (uint32_t)w->params->particles);
+  finish_contacts(w, 0, w->contact_count);
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
     if (w->bodies[b].motion == FRAY_FREE) push_body(w, b);
 }

@@ -53,7 +53,7 @@ static int32_t carried(int32_t centre, int32_t grip) {
   return fx_clamp(fx_add(centre, grip), -FX_WORLD_MAX, FX_WORLD_MAX);
 }
 
-static void carry_held(fray_world *w) {
+void predict_held(fray_world *w) {
   const uint32_t held = (uint32_t)w->params->held;
   for (uint32_t p = 0; p < held; ++p) {
     const body_state *s = &w->body_states[w->grip_body[p]];
@@ -66,25 +66,31 @@ static void carry_held(fray_world *w) {
   }
 }
 
-void predict_run(fray_world *w, uint32_t substep) {
+void predict_begin(fray_world *w, uint32_t substep) {
   const params *p = w->params;
   state *s = w->state;
-  const uint32_t first = (uint32_t)p->held;
-  const uint32_t end = (uint32_t)p->particles;
   w->gravity_step = vec_make(gravity_step(p->gravity_x, p->gravity_rest_x, &s->gravity_phase[0]),
                              gravity_step(p->gravity_y, p->gravity_rest_y, &s->gravity_phase[1]),
                              gravity_step(p->gravity_z, p->gravity_rest_z, &s->gravity_phase[2]));
-  const fray_kernel kernel = w->kernel;
-  uint32_t at_edge = wide_advance(kernel, w->x, w->qx, w->vx, w->rx, first, end, w->gravity_step.x);
-  at_edge |= wide_advance(kernel, w->y, w->qy, w->vy, w->ry, first, end, w->gravity_step.y);
-  at_edge |= wide_advance(kernel, w->z, w->qz, w->vz, w->rz, first, end, w->gravity_step.z);
-  if (at_edge != 0) s->faults |= (int32_t)FRAY_FAULT_LEFT_WORLD;
   for (uint32_t b = 0; b < (uint32_t)p->bodies; ++b) {
     if (w->bodies[b].motion == FRAY_FREE)
       fly_body(w, b);
     else
       drive_body(w, b, (int32_t)substep + 1, p->substeps);
   }
-  carry_held(w);
+}
+
+void predict_part(fray_world *w, uint32_t first, uint32_t end) {
+  const fray_kernel kernel = w->kernel;
+  uint32_t at_edge = wide_advance(kernel, w->x, w->qx, w->vx, w->rx, first, end, w->gravity_step.x);
+  at_edge |= wide_advance(kernel, w->y, w->qy, w->vy, w->ry, first, end, w->gravity_step.y);
+  at_edge |= wide_advance(kernel, w->z, w->qz, w->vz, w->rz, first, end, w->gravity_step.z);
+  if (at_edge != 0) w->state->faults |= (int32_t)FRAY_FAULT_LEFT_WORLD;
   w->work.predictions += end - first;
+}
+
+void predict_run(fray_world *w, uint32_t substep) {
+  predict_begin(w, substep);
+  predict_held(w);
+  predict_part(w, (uint32_t)w->params->held, (uint32_t)w->params->particles);
 }

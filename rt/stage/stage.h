@@ -23,6 +23,21 @@ void tear_run(fray_world *w); /* finds springs over their threshold */
 uint32_t tear_worst(const fray_world *w); /* of them, the farthest over: canonical id */
 void cut_run(fray_world *w);  /* cuts them and releases what hung on them */
 
+/* Parts of these stages, for ticks that several workers share (rt/share). Parts in their stage's
+ * order do what its run does to the whole. */
+void damp_whole(fray_world *w); /* what differs from the sheet's own motion */
+void damp_part(fray_world *w, uint32_t first, uint32_t end); /* particles: drag */
+/* Of batch b what falls to `part` of so many, at most FRAY_WORKERS_MAX; or all of several batches. */
+void springs_part(fray_world *w, uint32_t b, uint32_t batches, uint32_t part, uint32_t parts);
+void predict_begin(fray_world *w, uint32_t substep);                          /* gravity, bodies */
+void predict_held(fray_world *w);
+void predict_part(fray_world *w, uint32_t first, uint32_t end);    /* particles */
+void strain_part(fray_world *w, uint32_t b, uint32_t batches);     /* one sweep of batches [b, batches) */
+void collide_part(fray_world *w, uint32_t first, uint32_t end);    /* contacts */
+void finish_part(fray_world *w, uint32_t first, uint32_t end);     /* particles, then their contacts */
+void finish_contacts(fray_world *w, uint32_t first, uint32_t end); /* contacts */
+void tear_part(fray_world *w, uint32_t first, uint32_t end);       /* rows */
+
 /* Once a tick, at its end. */
 void force_run(fray_world *w, int16_t force[FRAY_HANDS][3]);
 void report_run(fray_world *w, fray_output *output);

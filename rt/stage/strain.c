@@ -110,22 +110,23 @@ static void project_held(fray_world *w, link_view s, uint32_t first, uint32_t en
   }
 }
 
-void strain_run(fray_world *w) {
+void strain_part(fray_world *w, uint32_t b, uint32_t batches) {
   const link_view view = {w->x, w->y, w->z, w->row_i, w->row_j, w->row_class, w->links};
-  const uint32_t batches = (uint32_t)w->params->link_batches;
-  for (int32_t sweep = 0; sweep < w->params->sweeps; ++sweep) {
-    uint32_t b = 0;
-    while (b < batches) {
-      const int32_t held = w->batches[b].held;
-      const uint32_t first = (uint32_t)w->batches[b].first;
-      const uint32_t begun = b;
-      const uint32_t end = world_run_of_batches(w, &b, batches);
-      if (held == BATCH_IDLE) continue;
-      if (held == BATCH_HELD)
-        project_held(w, view, first, end);
-      else if (!wide_project(w->kernel, view, w->batches + begun, b - begun))
-        project_free(view, first, end);
-      w->work.projections += end - first;
-    }
+  while (b < batches) {
+    const int32_t held = w->batches[b].held;
+    const uint32_t first = (uint32_t)w->batches[b].first;
+    const uint32_t begun = b;
+    const uint32_t end = world_run_of_batches(w, &b, batches);
+    if (held == BATCH_IDLE) continue;
+    if (held == BATCH_HELD)
+      project_held(w, view, first, end);
+    else if (!wide_project(w->kernel, view, w->batches + begun, b - begun))
+      project_free(view, first, end);
+    w->work.projections += end - first;
   }
+}
+
+void strain_run(fray_world *w) {
+  for (int32_t sweep = 0; sweep < w->params->sweeps; ++sweep)
+    strain_part(w, 0, (uint32_t)w->params->link_batches);
 }

@@ -4,8 +4,8 @@
  *
  * At most cuts_max are taken in a tick: those farthest over their threshold, ties by canonical
  * number. The others wait; they are tested again in the next tick, when the cuts around them may
- * have relieved them. The list is a heap with the least of them first, so that a tick in which
- * everything tears costs a few steps more a spring and not cuts_max. */
+ * have relieved them. */
+#include "rt/stage/cuts.h"
 #include "rt/stage/stage.h"
 #include "rt/wide/wide.h"
 
@@ -21,56 +21,11 @@ static uint32_t excess_over(uint64_t n, uint64_t limit) {
   return fx_divide_wide(n - limit, (uint32_t)(limit >> 16) + 1u);
 }
 
-static int worse(const fray_world *w, const cut *a, const cut *b) {
-  if (a->excess != b->excess) return a->excess > b->excess;
-  return w->home[a->row] < w->home[b->row];
-}
-
-/* A place at the end that `found` may take, or one nearer to the top. */
-static void rise(fray_world *w, uint32_t end, cut found) {
-  uint32_t place = end;
-  while (place > 0) {
-    const uint32_t above = (place - 1u) / 2u;
-    if (!worse(w, &w->cuts[above], &found)) break;
-    w->cuts[place] = w->cuts[above];
-    place = above;
-  }
-  w->cuts[place] = found;
-}
-
-/* From the top: below `found` only worse ones. */
-static void sink(fray_world *w, cut found) {
-  uint32_t place = 0;
-  uint32_t below = 1;
-  while (below + 1u < w->cut_count) {
-    below += worse(w, &w->cuts[below], &w->cuts[below + 1u]) ? 1u : 0u;
-    if (!worse(w, &found, &w->cuts[below])) break;
-    w->cuts[place] = w->cuts[below];
-    place = below;
-    below = 2u * place + 1u;
-  }
-  if (below + 1u == w->cut_count && worse(w, &found, &w->cuts[below])) {
-    w->cuts[place] = w->cuts[below];
-    place = below;
-  }
-  w->cuts[place] = found;
-}
-
-static void enlist(fray_world *w, cut found) {
-  if (w->cut_count < (uint32_t)w->params->cuts_max) {
-    rise(w, w->cut_count++, found);
-    return;
-  }
-  ++w->cuts_waiting;
-  if (worse(w, &found, &w->cuts[0])) sink(w, found);
-}
-
-void tear_run(fray_world *w) {
+void tear_part(fray_world *w, uint32_t first, uint32_t end) {
   const params *p = w->params;
   if (p->tearing == 0) return;
   const link_view view = {w->x, w->y, w->z, w->row_i, w->row_j, w->row_class, w->links};
-  const uint32_t end = (uint32_t)p->links;
-  for (uint32_t row = 0; row < end; ++row) {
+  for (uint32_t row = first; row < end; ++row) {
     row = wide_over(w->kernel, view, p->tear_min, row, end);
     if (row == end) break;
     const uint32_t kind = w->row_class[row];
@@ -82,15 +37,17 @@ void tear_run(fray_world *w) {
     const uint64_t limit = stretched_squared(rest, world_threshold(w, row));
     if (n <= limit) continue;
     const cut found = {row, excess_over(n, limit)};
-    enlist(w, found);
+    cuts_enlist(w, found);
   }
-  w->work.tear_tests += (uint32_t)p->links;
+  w->work.tear_tests += end - first;
   w->work.over += w->cut_count + w->cuts_waiting;
 }
+
+void tear_run(fray_world *w) { tear_part(w, 0, (uint32_t)w->params->links); }
 
 uint32_t tear_worst(const fray_world *w) {
   uint32_t worst = 0;
   for (uint32_t n = 1; n < w->cut_count; ++n)
-    if (worse(w, &w->cuts[n], &w->cuts[worst])) worst = n;
+    if (cuts_worse(w, &w->cuts[n], &w->cuts[worst])) worst = n;
   return w->home[w->cuts[worst].row];
 }

@@ -155,6 +155,22 @@ test_twenty() {
   holds "twenty: every candump log verifies" is "$good" 20
 }
 
+# ---- 2: three workers share the ticks, more than there are CPUs
+test_workers() {
+  old_rate=$rate old_substeps=$substeps
+  make_scene 100 30
+  start_log workers
+  start_hand workers tear
+  start_fray workers --ticks 95 --record "$work/workers.own" --workers 3
+  end_fray workers
+  end_hand
+  stop_log workers
+  figure "3 workers, $rate Hz: $(number workers 'springs cut ') springs cut, $(number workers 'SYNCs lost') SYNCs lost"
+  holds "workers: candump's log verifies" verifies workers "$work/workers.can"
+  holds "workers: fray's own log verifies" verifies workers "$work/workers.own"
+  make_scene "$old_rate" "$old_substeps"
+}
+
 # ---- 3: canplayer plays a recording's device frames into a live fray
 test_play() {
   old_rate=$rate old_substeps=$substeps
@@ -514,7 +530,7 @@ test_unpinned() {
 
 . $here/auth.sh
 make_scene $rate $substeps
-for test_name in ${*:-twenty play stop flood kill trouble flap lateness interop $auth_tests}; do
+for test_name in ${*:-twenty workers play stop flood kill trouble flap lateness interop $auth_tests}; do
   began=$(date +%s)
   "test_$test_name"
   echo "  took $test_name $(($(date +%s) - began)) s"

@@ -1,0 +1,265 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A tick by several workers: the stages of rt/run/step.c, in parts.
+ *
+ * Once a tick, and everybody waits for everybody: each worker takes its share of the particles or of
+ * a batch's rows. The substeps are not divided but overlap (plan.h): workers in turn take `depth`
+ * passes, which are sweeps of substeps, each a block behind the pass before it. What a pass needs besides particles is a pure function of the tick's start: gravity's
+ * remainder, and where driven bodies are. Sums of impulses and counts do not depend on their order.
+ *
+ * Bodies that fly free are moved by what the cloth gave them in the substep before, so in worlds
+ * with them one worker takes all substeps. Springs that tear are found when all substeps are done:
+ * what comes between in step.c, velocities, neither moves a particle nor asks for a row. */
+#include "rt/share/share.h"
+
+#include "rt/base/arena.h"
+#include "rt/run/step.h"
+#include "rt/stage/cuts.h"
+
+/* The least rows times passes that a worker is worth waking for; the least blocks worth overlapping. */
+enum { ROWS_A_WORKER = 8192, BLOCKS_LEAST = 4 };
+
+static int has_free_body(const fray_world *w) {
+  for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
+    if (w->bodies[b].motion == FRAY_FREE) return 1;
+  return 0;
+}
+
+uint32_t fray_share_useful(const fray_world *w, uint32_t workers_max) {
+  const params *p = w->params;
+  const uint32_t passes = (uint32_t)p->substeps * (uint32_t)p->sweeps;
+  const uint64_t rows = (uint64_t)(uint32_t)p->links * passes;
+  const uint32_t most = workers_max < FRAY_WORKERS_MAX ? workers_max : (uint32_t)FRAY_WORKERS_MAX;
+  uint32_t workers = (uint32_t)p->links / PLAN_ROWS_LEAST / (uint32_t)BLOCKS_LEAST;
+  if (workers > most) workers = most;
+  if (workers > passes) workers = passes;
+  if (workers > rows / ROWS_A_WORKER) workers = (uint32_t)(rows / ROWS_A_WORKER);
+  return workers < 2u || p->held == 0 || has_free_body(w) ? 1u : workers;
+}
+
+/* The parts first: they want whole lines. */
+static fray_share *carve(const fray_world *w, uint32_t workers, arena *a) {
+  const uint32_t count = workers * (uint32_t)SHARE_DEPTH_MAX;
+  share_part *parts = (share_part *)arena_take(a, count, sizeof *parts);
+  fray_share *s = (fray_share *)arena_take(a, 1, sizeof *s);
+  void *scratch = arena_take(a, 1, plan_scratch_bytes(w));
+  if (s != NULL) {
+    bytes_zero(parts, count * sizeof *parts);
+    bytes_zero(s, sizeof *s);
+    s->parts = parts;
+    s->scratch = scratch;
+  }
+  return s;
+}
+
+size_t fray_share_bytes(const fray_world *w, uint32_t workers) {
+  arena dry = {NULL, 0, 0};
+  (void)carve(w, workers, &dry);
+  return dry.used;
+}
+
+fray_share *fray_share_open(fray_world *w, uint32_t workers, void *memory, size_t memory_bytes) {
+  if (w == NULL || memory == NULL || ((uintptr_t)memory & (FRAY_SHARE_ALIGN - 1u)) != 0 ||
+      workers == 0 || workers > FRAY_WORKERS_MAX || memory_bytes < fray_share_bytes(w, workers))
+    return NULL;
+  arena a = {(uint8_t *)memory, memory_bytes, 0};
+  fray_share *s = carve(w, workers, &a);
+  s->world = w;
+  s->workers = workers;
+  s->passes = (uint32_t)w->params->substeps * (uint32_t)w->params->sweeps;
+  s->block_count = has_free_body(w) ? 0 : plan_cut(w, s->blocks, s->scratch);
+  if (s->block_count < BLOCKS_LEAST) s->block_count = 0;
+  share_order(s);
+  return s;
+}
+
+int fray_share_holds(const fray_share *s) {
+  return s->block_count == 0 || plan_holds(s->world, s->blocks, s->block_count);
+}
+
+/* What the parts share with the world is copied anew: a tick may have loaded or moved anything. */
+static void hand_out(fray_share *s) {
+  const fray_world *w = s->world;
+  for (uint32_t n = 0; n < s->workers * s->depth; ++n) {
+    share_part *part = &s->parts[n];
+    part->world = *w;
+    part->state = *w->state;
+    part->state.faults = 0;
+    bytes_copy(part->motion, w->motion, sizeof(body_motion) * w->capacity[POOL_BODIES]);
+    part->world.state = &part->state;
+    part->world.body_states = part->bodies;
+    part->world.motion = part->motion;
+    part->world.cuts = part->cuts;
+  }
+}
+
+/* What the workers have counted and given goes to the world; nothing of it twice. */
+static void join(fray_share *s) {
+  fray_world *w = s->world;
+  for (uint32_t n = 0; n < s->workers * s->depth; ++n) {
+    share_part *part = &s->parts[n];
+    fray_work *k = &part->world.work;
+    w->state->faults |= part->state.faults;
+    w->work.predictions += k->predictions;
+    w->work.projections += k->projections;
+    w->work.springs += k->springs;
+    w->work.contacts += k->contacts;
+    w->work.tear_tests += k->tear_tests;
+    w->work.over += k->over;
+    bytes_zero(k, sizeof *k);
+    for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b) {
+      body_motion *m = &part->motion[b];
+      body_gave(&w->motion[b], m->impulse[0], m->impulse[1], m->impulse[2]);
+      bytes_zero(m->impulse, sizeof m->impulse);
+    }
+  }
+}
+
+static void open_tick(fray_share *s, const fray_input *input, fray_output *output) {
+  step_begin(s->world, output);
+  devices_run(s->world, input);
+  damp_whole(s->world);
+  hand_out(s);
+}
+
+/* Contacts stand in order of body and particle; where those of each block begin. */
+static void index_contacts(fray_share *s) {
+  const fray_world *w = s->world;
+  uint32_t n = 0;
+  for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
+    for (uint32_t k = 0; k <= s->block_count; ++k) {
+      s->contact_from[k][b] = n;
+      while (k < s->block_count && n < w->contact_count && w->contacts[n].body == b &&
+             w->contacts[n].particle < s->blocks[k].finish_end)
+        ++n;
+    }
+}
+
+static void gather(fray_share *s) {
+  collide_gather(s->world);
+  if (s->block_count != 0)
+    index_contacts(s);
+  else
+    join(s); /* a free body wants what the springs gave it */
+}
+
+/* Gravity and driven bodies as they are in a substep, from the one before. */
+static void begin_substep(const fray_share *s, share_part *part, uint32_t substep) {
+  const fray_world *start = s->world;
+  const uint32_t before = substep != 0 ? substep - 1u : 0;
+  const int32_t rest[3] = {start->params->gravity_rest_x, start->params->gravity_rest_y,
+                           start->params->gravity_rest_z};
+  for (uint32_t n = 0; n < 3; ++n)
+    part->state.gravity_phase[n] = fx_wrap_add(start->state->gravity_phase[n],
+                                               fx_wrap_mul((int32_t)before, rest[n]));
+  bytes_copy(part->bodies, start->body_states, sizeof(body_state) * start->capacity[POOL_BODIES]);
+  if (substep != 0) predict_begin(&part->world, before);
+  predict_begin(&part->world, substep);
+}
+
+static void finish_block(const fray_share *s, fray_world *w, uint32_t k) {
+  const uint32_t bodies = w->contact_count != 0 ? (uint32_t)w->params->bodies : 0;
+  const uint32_t first = k != 0 ? s->blocks[k - 1u].finish_end : (uint32_t)w->params->held;
+  for (uint32_t b = 0; b < bodies; ++b)
+    collide_part(w, s->contact_from[k][b], s->contact_from[k + 1u][b]);
+  finish_part(w, first, s->blocks[k].finish_end);
+  for (uint32_t b = 0; b < bodies; ++b)
+    finish_contacts(w, s->contact_from[k][b], s->contact_from[k + 1u][b]);
+}
+
+static void run_block(const fray_share *s, share_part *part, share_place at) {
+  fray_world *w = &part->world;
+  const uint32_t sweeps = (uint32_t)w->params->sweeps;
+  const uint32_t sweep = at.pass % sweeps;
+  const plan_block *block = &s->blocks[at.block];
+  const plan_block *before = at.block != 0 ? block - 1 : NULL;
+  if (before == NULL) {
+    begin_substep(s, part, at.pass / sweeps);
+    w->contact_count = s->world->contact_count;
+    if (sweep == 0) predict_held(w);
+  }
+  if (sweep == 0)
+    predict_part(w, before != NULL ? before->predict_end : (uint32_t)w->params->held,
+                 block->predict_end);
+  strain_part(w, before != NULL ? before->batch_end : 0, block->batch_end);
+  if (sweep + 1u == sweeps) finish_block(s, w, at.block);
+}
+
+static void run_all_substeps(fray_world *w) {
+  for (uint32_t substep = 0; substep < (uint32_t)w->params->substeps; ++substep) {
+    predict_run(w, substep);
+    strain_run(w);
+    collide_run(w);
+    finish_run(w);
+  }
+}
+
+static void run_substeps(fray_share *s, uint32_t worker, uint32_t step) {
+  if (s->block_count == 0) {
+    if (worker == 0) run_all_substeps(s->world);
+    return;
+  }
+  share_place place;
+  for (uint32_t n = 0; n < s->depth; ++n)
+    if (share_place_of(s, worker, step, n, &place))
+      run_block(s, &s->parts[worker * s->depth + n], place);
+}
+
+static void join_cuts(fray_share *s) {
+  for (uint32_t n = 0; n < s->workers; ++n) {
+    const fray_world *part = &s->parts[n * s->depth].world;
+    s->world->cuts_waiting += part->cuts_waiting;
+    for (uint32_t k = 0; k < part->cut_count; ++k) cuts_enlist(s->world, part->cuts[k]);
+  }
+}
+
+static void close_tick(fray_share *s, fray_output *output) {
+  fray_world *w = s->world;
+  join(s);
+  join_cuts(s);
+  if (s->block_count != 0) {
+    const uint32_t pass = s->passes - 1u;
+    const share_part *last =
+        &s->parts[pass / s->depth % s->workers * s->depth + pass % s->depth];
+    bytes_copy(w->state->gravity_phase, last->state.gravity_phase, sizeof w->state->gravity_phase);
+    bytes_copy(w->body_states, last->bodies, sizeof(body_state) * w->capacity[POOL_BODIES]);
+  }
+  cut_run(w);
+  force_run(w, output->force);
+  report_run(w, output);
+}
+
+/* What a worker takes of `count` things from `first` on. */
+typedef struct {
+  uint32_t first, end;
+} share_range;
+
+static share_range range_of(const fray_share *s, uint32_t worker, uint32_t first, uint32_t count) {
+  const share_range range = {first + (uint32_t)((uint64_t)count * worker / s->workers),
+                             first + (uint32_t)((uint64_t)count * (worker + 1u) / s->workers)};
+  return range;
+}
+
+void fray_share_step(fray_share *s, uint32_t worker, uint32_t step, const fray_input *input,
+                     fray_output *output) {
+  const params *p = s->world->params;
+  fray_world *w = &s->parts[worker * s->depth].world;
+  if (step == 0) {
+    if (worker == 0) open_tick(s, input, output);
+  } else if (step < s->at.springs) {
+    const share_range own =
+        range_of(s, worker, (uint32_t)p->held, (uint32_t)(p->particles - p->held));
+    damp_part(w, own.first, own.end);
+  } else if (step < s->at.gather) {
+    const uint32_t b = (uint32_t)p->link_batches + step - s->at.springs;
+    springs_part(w, b, b + 1u, worker, s->workers);
+  } else if (step < s->at.substeps) {
+    if (worker == 0) gather(s);
+  } else if (step < s->at.tear) {
+    run_substeps(s, worker, step);
+  } else if (step < s->at.close) {
+    const share_range own = range_of(s, worker, 0, (uint32_t)p->links);
+    tear_part(w, own.first, own.end);
+  } else if (worker == 0) {
+    close_tick(s, output);
+  }
+}
