@@ -5,6 +5,7 @@
 #include "tests/lib/test.h"
 #include "tests/lib/world_fixture.h"
 
+#include "platform/linux/cpu.h"
 #include "rt/share/share.h"
 
 /* Who goes next, of those whose needs are met. */
@@ -100,6 +101,7 @@ static seen compare(const fixture *start, uint32_t workers, policy p, uint32_t t
   seen all = {0, 0, 0, 0, 0};
   fixture_copy(&plain, start);
   fixture_copy(&s.f, start);
+  (void)fray_use(s.f.w, (workers & 1u) != 0 ? FRAY_KERNEL_SCALAR : cpu_best_kernel());
   share_open(&s, workers);
   all.blocks = s.share->block_count;
   for (uint32_t tick = 0; tick < ticks; ++tick) {
@@ -154,7 +156,7 @@ static void torn_between_two_hands(void) {
   fixture f;
   open_torn(&f, "substeps 6\nsweeps 1", "");
   const seen s = compare_all(&f, 110);
-  CHECK(s.blocks >= 8 && s.cuts > 40 && s.waited > 0 && s.contacts > 0);
+  CHECK(s.blocks >= 4 && s.cuts > 40 && s.waited > 0 && s.contacts > 0);
   CHECK((s.faults & FRAY_FAULT_CONTACTS_FULL) != 0);
   printf("  torn: %u blocks, %u cuts, %u waited\n", s.blocks, s.cuts, s.waited);
 }
@@ -163,13 +165,13 @@ static void sweeps_are_passes_too(void) {
   fixture f;
   open_torn(&f, "substeps 3\nsweeps 3", "damping 3 /s");
   const seen s = compare_all(&f, 90);
-  CHECK(s.blocks >= 8 && s.cuts > 20 && s.contacts > 0);
+  CHECK(s.blocks >= 4 && s.cuts > 20 && s.contacts > 0);
 }
 
 static void one_substep(void) {
   fixture f;
   open_torn(&f, "substeps 1\nsweeps 2", "");
-  CHECK(compare_all(&f, 60).blocks >= 8);
+  CHECK(compare_all(&f, 60).blocks >= 4);
 }
 
 /* Who carries a crossing at the edge of the world, and flags it, is any worker. */
@@ -199,7 +201,7 @@ static void scenes(void) {
       {"tests/scenes/thrown_ball.scene", "settle 0.5 s", "", 10, 0},
       {"tests/scenes/cube.scene", "substeps 16", "substeps 5", 10, 0},
       {"tests/scenes/weight.scene", "substeps auto\nsettle 3 s", "substeps 12", 30, 0},
-      {"tests/cross/torn.scene", "seed", "seed", 120, 1},
+      {"tests/cross/torn.scene", "seed", "seed", 120, 0},
       {"tests/cross/bodies.scene", "seed", "seed", 120, 0},
       {"tests/cross/satin24.scene", "seed", "seed", 60, 0},
   };
