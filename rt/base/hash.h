@@ -11,9 +11,12 @@ enum { HASH_LANES = 8 };
 
 typedef struct {
   uint32_t lane[HASH_LANES];
+  uint32_t first, end; /* the lanes that are asked for; lanes do not know of one another */
 } hash;
 
 static inline void hash_begin(hash *h) {
+  h->first = 0;
+  h->end = HASH_LANES;
   for (uint32_t n = 0; n < HASH_LANES; ++n)
     h->lane[n] = 0x243F6A88u ^ fx_wrap_mul_u(n, 0x9E3779B1u);
 }

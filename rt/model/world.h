@@ -100,6 +100,8 @@ void world_kill_row(fray_world *w, uint32_t row);
 uint64_t world_topology(const fray_world *w);
 /* The state's hash; cost: 9 words a particle. */
 uint64_t world_hash(const fray_world *w);
+/* Some lanes of it, to lanes[first] and those behind it. */
+void world_hash_lanes(const fray_world *w, uint32_t first, uint32_t end, uint32_t *lanes);
 /* Threshold of a structural row, Q16 strain: drawn from (seed, canonical row). */
 int32_t world_threshold(const fray_world *w, uint32_t row);
 

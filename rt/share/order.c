@@ -36,7 +36,9 @@ static share_steps place_steps(const fray_share *s) {
   at.gather = at.springs + (uint32_t)(p->bend_batches + p->shear_batches);
   at.substeps = at.gather + 1u;
   at.tear = at.substeps + (s->block_count != 0 ? rounds_of(s, s->depth) * s->turn_steps : 1u);
-  at.close = at.tear + 1u;
+  at.join = at.tear + 1u;
+  at.hash = at.join + 1u;
+  at.close = at.hash + 1u;
   at.end = at.close + 1u;
   return at;
 }
@@ -82,7 +84,8 @@ static fray_need need_of_turn(const fray_share *s, uint32_t worker, uint32_t ste
 }
 
 fray_need fray_share_need(const fray_share *s, uint32_t worker, uint32_t step) {
-  const int divided = (step >= s->at.damp && step < s->at.gather) || step == s->at.tear;
+  const int divided = (step >= s->at.damp && step < s->at.gather) || step == s->at.tear ||
+                      step == s->at.hash;
   if (s->block_count != 0 && step >= s->at.substeps && step < s->at.tear)
     return need_of_turn(s, worker, step);
   return divided || worker == 0 ? need_all(step) : need_all(0);

@@ -212,7 +212,7 @@ static void join_cuts(fray_share *s) {
   }
 }
 
-static void close_tick(fray_share *s, fray_output *output) {
+static void join_tick(fray_share *s, fray_output *output) {
   fray_world *w = s->world;
   join(s);
   join_cuts(s);
@@ -225,7 +225,28 @@ static void close_tick(fray_share *s, fray_output *output) {
   }
   cut_run(w);
   force_run(w, output->force);
-  report_run(w, output);
+  report_begin(w, output);
+}
+
+/* Lanes go to the first 1, 2, 4 or 8 workers. */
+static uint32_t lanes_of(const fray_share *s) {
+  uint32_t lanes = HASH_LANES;
+  while (lanes > 1u && HASH_LANES / lanes * 2u <= s->workers) lanes /= 2u;
+  return lanes;
+}
+
+static void hash_lanes(fray_share *s, uint32_t worker) {
+  const uint32_t lanes = lanes_of(s);
+  const uint32_t first = worker * lanes;
+  if (first < HASH_LANES)
+    world_hash_lanes(s->world, first, first + lanes, s->parts[worker * s->depth].lanes);
+}
+
+static void close_tick(fray_share *s, fray_output *output) {
+  const uint32_t lanes = lanes_of(s);
+  hash h;
+  for (uint32_t n = 0; n < HASH_LANES; ++n) h.lane[n] = s->parts[n / lanes * s->depth].lanes[n];
+  report_end(s->world, hash_end(&h), output);
 }
 
 /* What a worker takes of `count` things from `first` on. */
@@ -256,9 +277,13 @@ void fray_share_step(fray_share *s, uint32_t worker, uint32_t step, const fray_i
     if (worker == 0) gather(s);
   } else if (step < s->at.tear) {
     run_substeps(s, worker, step);
-  } else if (step < s->at.close) {
+  } else if (step < s->at.join) {
     const share_range own = range_of(s, worker, 0, (uint32_t)p->links);
     tear_part(w, own.first, own.end);
+  } else if (step < s->at.hash) {
+    if (worker == 0) join_tick(s, output);
+  } else if (step < s->at.close) {
+    hash_lanes(s, worker);
   } else if (worker == 0) {
     close_tick(s, output);
   }

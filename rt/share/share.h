@@ -3,6 +3,7 @@
 #ifndef FRAY_SHARE_SHARE_H
 #define FRAY_SHARE_SHARE_H
 
+#include "rt/base/hash.h"
 #include "rt/share/plan.h"
 #include "rt/stage/stage.h"
 
@@ -16,6 +17,7 @@ typedef struct {
   body_state bodies[LIMIT_BODIES];
   body_motion motion[LIMIT_BODIES];
   cut cuts[LIMIT_CUTS];
+  uint32_t lanes[HASH_LANES];
 } share_part;
 
 /* Passes that a worker takes at a time: in each step a block of each of them, one further back for each
@@ -25,7 +27,7 @@ enum { SHARE_DEPTH_MAX = 8 };
 /* The steps of a tick that every worker takes, in their order. The substeps are turns of `turn_steps`
  * steps, or one step where a single worker takes them all. */
 typedef struct {
-  uint32_t damp, springs, gather, substeps, tear, close, end;
+  uint32_t damp, springs, gather, substeps, tear, join, hash, close, end;
 } share_steps;
 
 struct fray_share {

@@ -2,11 +2,14 @@
 /* Closes the tick: counts it, hashes the state, fills the output. */
 #include "rt/stage/stage.h"
 
-void report_run(fray_world *w, fray_output *output) {
+void report_begin(fray_world *w, fray_output *output) {
+  output->tick = (uint32_t)w->state->tick;
+  w->state->tick = fx_wrap_add(w->state->tick, 1);
+}
+
+void report_end(fray_world *w, uint64_t found, fray_output *output) {
   state *s = w->state;
-  output->tick = (uint32_t)s->tick;
-  s->tick = fx_wrap_add(s->tick, 1);
-  output->hash = world_hash(w);
+  output->hash = found;
   s->hash[0] = (int32_t)(uint32_t)(output->hash & 0xFFFFFFFFu);
   s->hash[1] = (int32_t)(uint32_t)(output->hash >> 32);
   for (uint32_t h = 0; h < FRAY_HANDS; ++h) {
@@ -22,4 +25,9 @@ void report_run(fray_world *w, fray_output *output) {
   output->cut_first = w->cut_first;
   output->cuts_total = (uint32_t)s->cuts_total;
   output->work = w->work;
+}
+
+void report_run(fray_world *w, fray_output *output) {
+  report_begin(w, output);
+  report_end(w, world_hash(w), output);
 }

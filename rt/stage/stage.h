@@ -37,6 +37,8 @@ void collide_part(fray_world *w, uint32_t first, uint32_t end);    /* contacts *
 void finish_part(fray_world *w, uint32_t first, uint32_t end);     /* particles, then their contacts */
 void finish_contacts(fray_world *w, uint32_t first, uint32_t end); /* contacts */
 void tear_part(fray_world *w, uint32_t first, uint32_t end);       /* rows */
+void report_begin(fray_world *w, fray_output *output); /* then the hash is taken */
+void report_end(fray_world *w, uint64_t found, fray_output *output);
 
 /* Once a tick, at its end. */
 void force_run(fray_world *w, int16_t force[FRAY_HANDS][3]);

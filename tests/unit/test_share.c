@@ -101,7 +101,7 @@ static seen compare(const fixture *start, uint32_t workers, policy p, uint32_t t
   seen all = {0, 0, 0, 0, 0};
   fixture_copy(&plain, start);
   fixture_copy(&s.f, start);
-  (void)fray_use(s.f.w, (workers & 1u) != 0 ? FRAY_KERNEL_SCALAR : cpu_best_kernel());
+  if (workers % 2 == 0) (void)cpu_use_best(s.f.w);
   share_open(&s, workers);
   all.blocks = s.share->block_count;
   for (uint32_t tick = 0; tick < ticks; ++tick) {

@@ -21,7 +21,7 @@ typedef struct {
 
 static int squad_open(squad *s, const fixture *start, uint32_t workers, int cpu) {
   fixture_copy(&s->f, start);
-  (void)fray_use(s->f.w, cpu_best_kernel());
+  (void)cpu_use_best(s->f.w);
   const size_t bytes = (team_bytes(s->f.w, workers) + 63) / 64 * 64;
   s->memory = bytes != 0 ? aligned_alloc(FRAY_SHARE_ALIGN, bytes) : NULL;
   return team_open(&s->t, s->f.w, workers, cpu, s->memory, bytes);
