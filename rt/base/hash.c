@@ -2,7 +2,7 @@
 #include "rt/base/hash.h"
 
 #if FX_NARROW
-/* Lanes are independent: one at a time stays in a register. All of them, whatever was asked for. */
+/* Lanes are independent: one at a time stays in a register. */
 void hash_words(hash *h, const int32_t *words, uint32_t count) {
   for (uint32_t k = 0; k < HASH_LANES; ++k) {
     uint32_t lane = h->lane[k];
@@ -20,46 +20,21 @@ void hash_bytes(hash *h, const int8_t *bytes, uint32_t count) {
   }
 }
 #else
-/* `lanes` is a constant where it is called: the lanes stay in registers. */
-__attribute__((always_inline)) static inline void take_words(hash *h, uint32_t lanes,
-                                                             const int32_t *words, uint32_t count) {
-  uint32_t *lane = h->lane + h->first;
-  uint32_t n = h->first;
-  for (; n + lanes <= count; n += HASH_LANES)
-    for (uint32_t k = 0; k < lanes; ++k) lane[k] = hash_step(lane[k], (uint32_t)words[n + k]);
-  for (uint32_t k = 0; n + k < count && k < lanes; ++k)
-    lane[k] = hash_step(lane[k], (uint32_t)words[n + k]);
-}
-
-__attribute__((always_inline)) static inline void take_bytes(hash *h, uint32_t lanes,
-                                                             const int8_t *bytes, uint32_t count) {
-  uint32_t *lane = h->lane + h->first;
-  uint32_t n = h->first;
-  for (; n + lanes <= count; n += HASH_LANES)
-    for (uint32_t k = 0; k < lanes; ++k)
-      lane[k] = hash_step(lane[k], (uint32_t)(int32_t)bytes[n + k]);
-  for (uint32_t k = 0; n + k < count && k < lanes; ++k)
-    lane[k] = hash_step(lane[k], (uint32_t)(int32_t)bytes[n + k]);
-}
-
 void hash_words(hash *h, const int32_t *words, uint32_t count) {
-  const uint32_t lanes = h->end - h->first;
-  if (lanes == HASH_LANES)
-    take_words(h, HASH_LANES, words, count);
-  else if (lanes == HASH_LANES / 2)
-    take_words(h, HASH_LANES / 2, words, count);
-  else
-    take_words(h, lanes, words, count);
+  uint32_t n = 0;
+  for (; n + HASH_LANES <= count; n += HASH_LANES)
+    for (uint32_t k = 0; k < HASH_LANES; ++k)
+      h->lane[k] = hash_step(h->lane[k], (uint32_t)words[n + k]);
+  for (uint32_t k = 0; n < count; ++n, ++k) h->lane[k] = hash_step(h->lane[k], (uint32_t)words[n]);
 }
 
 void hash_bytes(hash *h, const int8_t *bytes, uint32_t count) {
-  const uint32_t lanes = h->end - h->first;
-  if (lanes == HASH_LANES)
-    take_bytes(h, HASH_LANES, bytes, count);
-  else if (lanes == HASH_LANES / 2)
-    take_bytes(h, HASH_LANES / 2, bytes, count);
-  else
-    take_bytes(h, lanes, bytes, count);
+  uint32_t n = 0;
+  for (; n + HASH_LANES <= count; n += HASH_LANES)
+    for (uint32_t k = 0; k < HASH_LANES; ++k)
+      h->lane[k] = hash_step(h->lane[k], (uint32_t)(int32_t)bytes[n + k]);
+  for (uint32_t k = 0; n < count; ++n, ++k)
+    h->lane[k] = hash_step(h->lane[k], (uint32_t)(int32_t)bytes[n]);
 }
 #endif
 

@@ -11,12 +11,9 @@ enum { HASH_LANES = 8 };
 
 typedef struct {
   uint32_t lane[HASH_LANES];
-  uint32_t first, end; /* the lanes that are asked for; lanes do not know of one another */
 } hash;
 
 static inline void hash_begin(hash *h) {
-  h->first = 0;
-  h->end = HASH_LANES;
   for (uint32_t n = 0; n < HASH_LANES; ++n)
     h->lane[n] = 0x243F6A88u ^ fx_wrap_mul_u(n, 0x9E3779B1u);
 }
@@ -28,6 +25,10 @@ FX_WRAPS static inline uint32_t hash_step(uint32_t lane, uint32_t word) {
 void hash_words(hash *h, const int32_t *words, uint32_t count);
 /* An array of bytes, each as one signed word. */
 void hash_bytes(hash *h, const int8_t *bytes, uint32_t count);
+/* What another hash has taken, which does not wait for this one. */
+static inline void hash_join(hash *h, const hash *other) {
+  for (uint32_t n = 0; n < HASH_LANES; ++n) h->lane[n] = hash_step(h->lane[n], other->lane[n]);
+}
 uint64_t hash_end(const hash *h);
 
 /* One entry of a set: the set's hash is the XOR of its entries, so it can be kept up to date. */

@@ -32,42 +32,40 @@ static void hash_state(hash *h, const state *s) {
   hash_words(h, words + HASH_LANES, STATE_WORDS - HASH_LANES);
 }
 
-static void take_words(fray_kernel kernel, hash *h, const int32_t *words, uint32_t count) {
-  const uint32_t taken = wide_hash_words(kernel, h, words, count);
-  hash_words(h, words + taken, count - taken);
-}
-
-static void take_bytes(fray_kernel kernel, hash *h, const int8_t *bytes, uint32_t count) {
-  const uint32_t taken = wide_hash_bytes(kernel, h, bytes, count);
-  hash_bytes(h, bytes + taken, count - taken);
-}
-
-static void hash_world(const fray_world *w, fray_kernel kernel, hash *h) {
-  const uint32_t particles = (uint32_t)w->params->particles;
-  const int32_t *const words[6] = {w->x, w->y, w->z, w->vx, w->vy, w->vz};
+/* Arrays of particles are hashed on their own, the three axes at a time, and joined: so none waits
+ * for another. */
+void world_hash_axes(const fray_world *w, world_hashed which, hash axes[3]) {
+  const uint32_t count = (uint32_t)w->params->particles;
+  const int32_t *const positions[3] = {w->x, w->y, w->z};
+  const int32_t *const velocities[3] = {w->vx, w->vy, w->vz};
   const int8_t *const remainders[3] = {w->rx, w->ry, w->rz};
+  for (uint32_t n = 0; n < 3; ++n) hash_begin(&axes[n]);
+  if (which == HASHED_REMAINDERS) {
+    const uint32_t taken = wide_hash_bytes(w->kernel, axes, remainders, count);
+    for (uint32_t n = 0; n < 3; ++n) hash_bytes(&axes[n], remainders[n] + taken, count - taken);
+  } else {
+    const int32_t *const *words = which == HASHED_POSITIONS ? positions : velocities;
+    const uint32_t taken = wide_hash_words(w->kernel, axes, words, count);
+    for (uint32_t n = 0; n < 3; ++n) hash_words(&axes[n], words[n] + taken, count - taken);
+  }
+}
+
+void world_hash_begin(const fray_world *w, hash *h) {
+  hash_begin(h);
   hash_state(h, w->state);
-  for (uint32_t n = 0; n < 6; ++n) take_words(kernel, h, words[n], particles);
-  for (uint32_t n = 0; n < 3; ++n) take_bytes(kernel, h, remainders[n], particles);
   hash_words(h, (const int32_t *)(const void *)w->body_states,
              w->capacity[POOL_BODIES] * BODY_STATE_WORDS);
 }
 
 uint64_t world_hash(const fray_world *w) {
   hash h;
-  hash_begin(&h);
-  hash_world(w, w->kernel, &h);
+  hash axes[3];
+  world_hash_begin(w, &h);
+  for (uint32_t which = 0; which < HASHED; ++which) {
+    world_hash_axes(w, (world_hashed)which, axes);
+    for (uint32_t n = 0; n < 3; ++n) hash_join(&h, &axes[n]);
+  }
   return hash_end(&h);
-}
-
-/* Wide kernels take all lanes. */
-void world_hash_lanes(const fray_world *w, uint32_t first, uint32_t end, uint32_t *lanes) {
-  hash h;
-  hash_begin(&h);
-  h.first = first;
-  h.end = end;
-  hash_world(w, FRAY_KERNEL_SCALAR, &h);
-  for (uint32_t n = first; n < end; ++n) lanes[n] = h.lane[n];
 }
 
 int32_t world_threshold(const fray_world *w, uint32_t row) {

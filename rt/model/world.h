@@ -5,6 +5,7 @@
 #ifndef FRAY_MODEL_WORLD_H
 #define FRAY_MODEL_WORLD_H
 
+#include "rt/base/hash.h"
 #include "rt/base/vec.h"
 #include "rt/model/bodies.h"
 #include "rt/model/contacts.h"
@@ -100,8 +101,11 @@ void world_kill_row(fray_world *w, uint32_t row);
 uint64_t world_topology(const fray_world *w);
 /* The state's hash; cost: 9 words a particle. */
 uint64_t world_hash(const fray_world *w);
-/* Some lanes of it, to lanes[first] and those behind it. */
-void world_hash_lanes(const fray_world *w, uint32_t first, uint32_t end, uint32_t *lanes);
+/* Its pieces, which several workers can take: all but the particles; then, joined to it in this order,
+ * the axes of each of the particles' arrays. */
+typedef enum { HASHED_POSITIONS, HASHED_VELOCITIES, HASHED_REMAINDERS, HASHED } world_hashed;
+void world_hash_begin(const fray_world *w, hash *h);
+void world_hash_axes(const fray_world *w, world_hashed which, hash axes[3]);
 /* Threshold of a structural row, Q16 strain: drawn from (seed, canonical row). */
 int32_t world_threshold(const fray_world *w, uint32_t row);
 

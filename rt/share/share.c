@@ -228,24 +228,17 @@ static void join_tick(fray_share *s, fray_output *output) {
   report_begin(w, output);
 }
 
-/* Lanes go to the first 1, 2, 4 or 8 workers. */
-static uint32_t lanes_of(const fray_share *s) {
-  uint32_t lanes = HASH_LANES;
-  while (lanes > 1u && HASH_LANES / lanes * 2u <= s->workers) lanes /= 2u;
-  return lanes;
-}
-
-static void hash_lanes(fray_share *s, uint32_t worker) {
-  const uint32_t lanes = lanes_of(s);
-  const uint32_t first = worker * lanes;
-  if (first < HASH_LANES)
-    world_hash_lanes(s->world, first, first + lanes, s->parts[worker * s->depth].lanes);
+/* The particles' arrays in turn. */
+static void hash_axes(fray_share *s, uint32_t worker) {
+  for (uint32_t which = worker; which < HASHED; which += s->workers)
+    world_hash_axes(s->world, (world_hashed)which, s->axes[which]);
 }
 
 static void close_tick(fray_share *s, fray_output *output) {
-  const uint32_t lanes = lanes_of(s);
   hash h;
-  for (uint32_t n = 0; n < HASH_LANES; ++n) h.lane[n] = s->parts[n / lanes * s->depth].lanes[n];
+  world_hash_begin(s->world, &h);
+  for (uint32_t which = 0; which < HASHED; ++which)
+    for (uint32_t n = 0; n < 3; ++n) hash_join(&h, &s->axes[which][n]);
   report_end(s->world, hash_end(&h), output);
 }
 
@@ -283,7 +276,7 @@ void fray_share_step(fray_share *s, uint32_t worker, uint32_t step, const fray_i
   } else if (step < s->at.hash) {
     if (worker == 0) join_tick(s, output);
   } else if (step < s->at.close) {
-    hash_lanes(s, worker);
+    hash_axes(s, worker);
   } else if (worker == 0) {
     close_tick(s, output);
   }

@@ -17,7 +17,6 @@ typedef struct {
   body_state bodies[LIMIT_BODIES];
   body_motion motion[LIMIT_BODIES];
   cut cuts[LIMIT_CUTS];
-  uint32_t lanes[HASH_LANES];
 } share_part;
 
 /* Passes that a worker takes at a time: in each step a block of each of them, one further back for each
@@ -38,6 +37,7 @@ struct fray_share {
   uint32_t depth;         /* passes of a turn, 1..SHARE_DEPTH_MAX */
   uint32_t turn_steps;
   share_steps at;
+  hash axes[HASHED][3];
   plan_block blocks[PLAN_BLOCKS_MAX];
   uint32_t contact_from[PLAN_BLOCKS_MAX + 1][LIMIT_BODIES]; /* by block and body */
   share_part *parts;      /* `depth` for each worker */

@@ -13,32 +13,39 @@ static inline void digest_load(void *to, const void *from, size_t bytes) {
   __builtin_memcpy(to, from, bytes);
 }
 
-/* Whole rounds of lanes; returns how many elements they took. */
-static inline uint32_t digest_of_words(hash *h, const int32_t *words, uint32_t count) {
-  digest_lanes lane;
-  digest_lanes word;
+static inline digest_lanes digest_step(digest_lanes lane, digest_lanes word) {
+  const digest_lanes v = (lane ^ word) * 0x9E3779B1u;
+  return v << 15 | v >> 17;
+}
+
+/* Three hashes side by side: a step waits long for the one before it. Whole rounds of lanes; returns how
+ * many elements of each they took. */
+static inline uint32_t digest_of_words(hash h[3], const int32_t *const words[3], uint32_t count) {
+  digest_lanes lane[3];
   uint32_t n = 0;
-  digest_load(&lane, h->lane, sizeof lane);
-  for (; n + HASH_LANES <= count; n += HASH_LANES) {
-    digest_load(&word, words + n, sizeof word);
-    lane = (lane ^ word) * 0x9E3779B1u;
-    lane = lane << 15 | lane >> 17;
-  }
-  digest_load(h->lane, &lane, sizeof lane);
+  for (int a = 0; a < 3; ++a) digest_load(&lane[a], h[a].lane, sizeof lane[a]);
+  for (; n + HASH_LANES <= count; n += HASH_LANES)
+    for (int a = 0; a < 3; ++a) {
+      digest_lanes word;
+      digest_load(&word, words[a] + n, sizeof word);
+      lane[a] = digest_step(lane[a], word);
+    }
+  for (int a = 0; a < 3; ++a) digest_load(h[a].lane, &lane[a], sizeof lane[a]);
   return n;
 }
 
-static inline uint32_t digest_of_bytes(hash *h, const int8_t *bytes, uint32_t count) {
-  digest_lanes lane;
-  digest_bytes eight;
+static inline uint32_t digest_of_bytes(hash h[3], const int8_t *const bytes[3], uint32_t count) {
+  digest_lanes lane[3];
   uint32_t n = 0;
-  digest_load(&lane, h->lane, sizeof lane);
-  for (; n + HASH_LANES <= count; n += HASH_LANES) {
-    digest_load(&eight, bytes + n, sizeof eight);
-    lane = (lane ^ (digest_lanes)__builtin_convertvector(eight, digest_words)) * 0x9E3779B1u;
-    lane = lane << 15 | lane >> 17;
-  }
-  digest_load(h->lane, &lane, sizeof lane);
+  for (int a = 0; a < 3; ++a) digest_load(&lane[a], h[a].lane, sizeof lane[a]);
+  for (; n + HASH_LANES <= count; n += HASH_LANES)
+    for (int a = 0; a < 3; ++a) {
+      digest_bytes eight;
+      digest_load(&eight, bytes[a] + n, sizeof eight);
+      lane[a] =
+          digest_step(lane[a], (digest_lanes)__builtin_convertvector(eight, digest_words));
+    }
+  for (int a = 0; a < 3; ++a) digest_load(h[a].lane, &lane[a], sizeof lane[a]);
   return n;
 }
 

@@ -34,9 +34,9 @@
     (const reach *g, const int32_t *x, const int32_t *y, const int32_t *z, const int32_t *vx,    \
      const int32_t *vy, const int32_t *vz, uint32_t first, uint32_t end),                        \
     (g, x, y, z, vx, vy, vz, first, end), wide_maybe, reach_any_above)                           \
-  X(set, hash_words, (hash * h, const int32_t *words, uint32_t count), (h, words, count),        \
+  X(set, hash_words, (hash * h, const int32_t *const *words, uint32_t count), (h, words, count), \
     wide_none, digest_of_words)                                                                  \
-  X(set, hash_bytes, (hash * h, const int8_t *bytes, uint32_t count), (h, bytes, count),         \
+  X(set, hash_bytes, (hash * h, const int8_t *const *bytes, uint32_t count), (h, bytes, count),  \
     wide_none, digest_of_bytes)                                                                  \
   X(set, advance,                                                                                \
     (int32_t * x, int32_t *q, int32_t *v, int8_t *r, uint32_t first, uint32_t end,               \
