@@ -26,9 +26,10 @@ SIM_TESTS := $(filter-out $(SYS_TESTS),$(filter $(BUILD)/tests/sim/%,$(TESTS)))
 SIM_O := $(BUILD)/tests/sim/sim_board.o
 FAULT_O := $(patsubst %,$(BUILD)/faults/platform/linux/%.o,board bus_log can_socket timer)
 IMAGE_16 := $(BUILD)/id16/tests/unit/test_image
+WIDE_16 := $(BUILD)/id16/tests/unit/test_wide
 FX_NARROW := $(addprefix $(BUILD)/narrow/tests/unit/,test_fx test_sweep)
 
-.PHONY: all help run test clean san san-integer san-thread checked golden golden-update fuzz tidy size stack work budget-update \
+.PHONY: all help run test clean san san-integer san-thread checked golden golden-update wide fuzz tidy size stack work budget-update \
         proof install bench figures force targets target-test can-test bus-test bus-test-qemu bus-soak
 all: $(FRAY) ## build the `fray` command
 
@@ -77,9 +78,9 @@ $(BUILD)/faults/%.o: %.c
 $(FX_NARROW): force
 	@$(MAKE) --no-print-directory -s BUILD=$(BUILD)/narrow EXTRA="$(EXTRA) -DFX_NARROW=1 -DFX_NO_LONG_MULTIPLY=1" EXACT="$(EXACT)" $@
 
-# the loader once more, with 16-bit ids
-$(IMAGE_16): force
-	@$(MAKE) --no-print-directory -s BUILD=$(BUILD)/id16 EXTRA="$(EXTRA) -DFRAY_ID_BITS=16" EXACT="$(EXACT)" $@
+# the loader and the wide kernels once more, with 16-bit ids
+$(IMAGE_16) $(WIDE_16) &: force
+	@$(MAKE) --no-print-directory -s BUILD=$(BUILD)/id16 EXTRA="$(EXTRA) -DFRAY_ID_BITS=16" EXACT="$(EXACT)" $(IMAGE_16) $(WIDE_16)
 
 -include $(RT_O:.o=.d) $(TOOL_O:.o=.d) $(TESTS:=.d) $(HELPERS:=.d) $(FAULT_O:.o=.d) \
          $(SIM_O:.o=.d) $(BUILD)/tests/sim/sys_faults.d
@@ -90,9 +91,14 @@ run: $(FRAY) ## tear a sheet with two hands from a log of the bus; results in ou
 	$(FRAY) run out/two_hands.img --log tests/scenes/two_hands.log --record out/two_hands.log --report out
 	$(FRAY) verify out/two_hands.log --scene out/two_hands.img
 
-test: $(FRAY) $(TESTS) $(HELPERS) $(IMAGE_16) $(FX_NARROW) ## run every test; SUITES="cli tidy" picks shell suites
+test: $(FRAY) $(TESTS) $(HELPERS) $(IMAGE_16) $(WIDE_16) $(FX_NARROW) ## run every test; SUITES="cli tidy" picks shell suites
 	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) SUITES="$(SUITES)" \
-	  sh tests/run_all.sh $(TESTS) $(IMAGE_16) $(FX_NARROW)
+	  sh tests/run_all.sh $(TESTS) $(IMAGE_16) $(WIDE_16) $(FX_NARROW)
+
+ROWS ?= 100000000
+WIDE_TESTS := $(BUILD)/tests/unit/test_wide $(WIDE_16) $(BUILD)/tests/unit/test_wide_sweeps
+wide: $(WIDE_TESTS) ## wide kernels against the scalar code, ROWS (10^8) random rows of each kind
+	@for program in $(WIDE_TESTS); do echo "$$program $(ROWS)"; ./$$program $(ROWS) || exit 1; done
 
 SANITIZE := -fno-sanitize-recover=all -fno-omit-frame-pointer -DSWEEP_FEWER=10
 san: ## every test program and the command, under sanitizers of gcc and clang

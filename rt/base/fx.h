@@ -55,6 +55,15 @@
 #endif
 #endif
 
+/* Squares add up in 64 bits by one instruction each. */
+#ifndef FX_LONG_ACCUMULATE
+#if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M' && !FX_NO_LONG_MULTIPLY
+#define FX_LONG_ACCUMULATE 1
+#else
+#define FX_LONG_ACCUMULATE 0
+#endif
+#endif
+
 enum { FX_POSITION_BITS = 24, FX_VELOCITY_BITS = 28, FX_SUB_BITS = 4 };
 #define FX_LU ((int32_t)1 << FX_POSITION_BITS)
 #define FX_WORLD_MAX (60 * FX_LU)

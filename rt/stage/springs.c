@@ -34,9 +34,24 @@ static inline int32_t spring_axis(int32_t d, int32_t pull, const spring_class *c
                        SPRING_DV_MAX);
 }
 
+/* Where |d| is at least the rest length, |d|^2 in coarse units is at least `idle`, which leaves three
+ * units for the rounding of d and of R. Cores that measure exactly for less see that first. */
+static inline int spring_is_loose(const spring_view *s, uint32_t i, uint32_t j, const spring_class *c) {
+#if FX_LONG_ACCUMULATE
+  if (c->compression_only == 0) return 0;
+  const vec3 d = vec_make(fx_sub(s->x[j], s->x[i]), fx_sub(s->y[j], s->y[i]),
+                          fx_sub(s->z[j], s->z[i]));
+  return vec_squared(d) >= fx_square(c->rest);
+#else
+  (void)s, (void)i, (void)j, (void)c;
+  return 0;
+#endif
+}
+
 /* dv of end i in Q28 lu per substep; end j gets the opposite. */
 static inline int spring_impulse(const spring_view *s, uint32_t i, uint32_t j,
                                  const spring_class *c, vec3 *dv) {
+  if (spring_is_loose(s, i, j, c)) return 0;
   const unsigned down = (unsigned)c->down;
   const int32_t x = spring_coarse(s->x, i, j, down);
   const int32_t y = spring_coarse(s->y, i, j, down);

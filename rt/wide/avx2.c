@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "rt/wide/wide.h"
 
-#if defined(__x86_64__) && defined(__SSE2__)
+#ifdef WIDE_HAS_X86
 #ifdef __clang__
 #pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
 #else

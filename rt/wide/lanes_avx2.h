@@ -8,6 +8,7 @@
 #include "rt/model/rows.h"
 
 enum { LANES = 8, LANES_ALL = 255 };
+#define LANES_RUNS 4 /* at most so many runs are stitched */
 typedef __m256i lanes;
 typedef __m256i lane_mask; /* all ones or all zeros a lane */
 

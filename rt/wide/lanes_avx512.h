@@ -8,6 +8,7 @@
 #include "rt/model/rows.h"
 
 enum { LANES = 16, LANES_ALL = 65535 };
+#define LANES_RUNS 4 /* at most so many runs are stitched */
 typedef __m512i lanes;
 typedef __mmask16 lane_mask;
 

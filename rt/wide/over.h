@@ -17,6 +17,7 @@ LANES_INLINE void over_pairs(const void *view, const pairs *p) {
   const over_view *s = (const over_view *)view;
   const int32_t *const at[3] = {s->x, s->y, s->z};
   lanes hi[3];
+  LANES_UNROLLED
   for (int n = 0; n < 3; ++n) {
     const lanes d = lanes_sub(pairs_fetch_j(p, at[n]), pairs_fetch_i(p, at[n]));
     hi[n] = lanes_clamp(lanes_asr(d, LINK_SHIFT), LINK_HI_MAX);

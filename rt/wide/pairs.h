@@ -10,7 +10,11 @@
 
 #include "rt/model/rows.h"
 
-enum { PAIRS_RUNS = 4, PAIRS_WHOLE = 0, PAIRS_GATHERED = PAIRS_RUNS + 1 };
+#ifndef LANES_UNROLLED
+#define LANES_UNROLLED
+#endif
+
+enum { PAIRS_RUNS = LANES_RUNS, PAIRS_WHOLE = 0, PAIRS_GATHERED = PAIRS_RUNS + 1 };
 
 /* Where a run of lanes lies: lane n at [from + n]. */
 typedef struct {
@@ -109,8 +113,8 @@ LANES_INLINE void pairs_some(const pair_rows *s, uint32_t row, uint32_t count, i
   const lanes kinds = whole ? lanes_load_kinds(kind) : lanes_load_kinds_part(kind, count);
   if (whole && *kind != ROW_DEAD && lanes_count_up(ids_i, *i) && lanes_count_up(ids_j, *j) &&
       lanes_all_equal(kinds, *kind)) {
-    p.run_i[0].from = *i;
-    p.run_j[0].from = *j;
+    p.run_i[0].from = (intptr_t)*i;
+    p.run_j[0].from = (intptr_t)*j;
     p.one_class = 1;
     p.kind = *kind;
     p.way = PAIRS_WHOLE;
@@ -155,9 +159,11 @@ LANES_INLINE void pairs_some(const pair_rows *s, uint32_t row, uint32_t count, i
   }
   switch (runs) {
     case 1: p.way = 1; take(view, &p); break;
+#if LANES_RUNS == 4
     case 2: p.way = 2; take(view, &p); break;
     case 3: p.way = 3; take(view, &p); break;
     default: p.way = 4; take(view, &p); break;
+#endif
   }
 }
 

@@ -31,6 +31,7 @@ LANES_INLINE void project_pairs(const void *view, const pairs *p) {
   lanes j[3];
   lanes d[3];
   lanes hi[3];
+  LANES_UNROLLED
   for (int n = 0; n < 3; ++n) {
     i[n] = pairs_fetch_i(p, at[n]);
     j[n] = pairs_fetch_j(p, at[n]);
@@ -44,6 +45,7 @@ LANES_INLINE void project_pairs(const void *view, const pairs *p) {
   /* what is clamped comes out above n_max, whatever stands in its low bits */
   const lanes n = lanes_min(lanes_add(n_hi, lanes_asr(cross, LINK_SHIFT - 1)), n_max);
   const lanes f = project_factor(n, p, s->classes, k);
+  LANES_UNROLLED
   for (int a = 0; a < 3; ++a) {
     const lanes c =
         lanes_round_with(lanes_mul(hi[a], f), lanes_word(&k->step_half), 20 - LINK_SHIFT);

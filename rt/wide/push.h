@@ -40,6 +40,7 @@ LANES_INLINE void push_pairs(const void *view, const pairs *p) {
   const lanes down = pairs_class(p, &c->down, SPRING_CLASS_WORDS);
   const lanes down_half = push_half(down);
   lanes d[3];
+  LANES_UNROLLED
   for (int a = 0; a < 3; ++a) {
     const lanes way = lanes_sub(pairs_fetch_j(p, at[a]), pairs_fetch_i(p, at[a]));
     d[a] = lanes_clamp(push_round_by(way, down_half, down), SPRING_HI_MAX);
@@ -58,6 +59,7 @@ LANES_INLINE void push_pairs(const void *view, const pairs *p) {
       lanes_round(lanes_mul(share, pairs_class(p, &c->pull, SPRING_CLASS_WORDS)), 14);
   const lanes scale = pairs_class(p, &c->scale, SPRING_CLASS_WORDS);
   const lanes scale_half = push_half(scale);
+  LANES_UNROLLED
   for (int a = 0; a < 3; ++a) {
     const lanes dv = lanes_clamp(push_round_by(lanes_mul(d[a], pull), scale_half, scale),
                                  SPRING_DV_MAX);

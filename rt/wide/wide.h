@@ -64,10 +64,21 @@
 
 /* Which sets this build has. */
 #if defined(__x86_64__) && defined(__SSE2__)
+#define WIDE_HAS_X86
 #define WIDE_SETS(X) X(AVX2, avx2) X(AVX512, avx512)
 #define WIDE_CASES(name, arguments)                              \
   case FRAY_KERNEL_AVX2: return wide_##name##_avx2 arguments;    \
   case FRAY_KERNEL_AVX512: return wide_##name##_avx512 arguments;
+#elif defined(__aarch64__) && defined(__ARM_NEON) && !defined(__ARM_BIG_ENDIAN)
+#define WIDE_HAS_NEON
+#define WIDE_SETS(X) X(NEON, neon)
+#define WIDE_CASES(name, arguments) \
+  case FRAY_KERNEL_NEON: return wide_##name##_neon arguments;
+#elif defined(__ARM_FEATURE_MVE) && !defined(__ARM_BIG_ENDIAN)
+#define WIDE_HAS_HELIUM
+#define WIDE_SETS(X) X(HELIUM, helium)
+#define WIDE_CASES(name, arguments) \
+  case FRAY_KERNEL_HELIUM: return wide_##name##_helium arguments;
 #else
 #define WIDE_SETS(X)
 #define WIDE_CASES(name, arguments)

@@ -5,6 +5,7 @@
 #   MACHINE IS_BARE              its name, bits and byte order; no operating system
 #   CASES LIMITS                 all, or tiny: what fits; options that say how much memory and time
 #   RESTORED                     how often the second run is saved and opened again
+#   KERNEL                       the wide kernel that the replay must use, if any
 #   TOOLS, PACKAGES              what it takes, and where Debian has it
 # and returns 1 where something of it is missing.
 # shellcheck disable=SC2034
@@ -16,7 +17,8 @@ CONFIGS_FULL="gcc-O0 gcc-O1 gcc-O2 gcc-O3 gcc-Os gcc-native gcc-id16 gcc-narrow 
   riscv64-O0 riscv64-O2 riscv64-O3 powerpc-O0 powerpc-O2 powerpc-O3 s390x-O0 s390x-O2 s390x-O3
   mips-O0 mips-O2 mips-O3
   m0-O2 m0-Os m3-O0 m3-O2 m3-O3 m3-Os m4f-O2 m4f-O3 m7f-O2 m7f-O3 m33-O2 m33-Os m55-O2
-  r5f-O2 r5f-O3 rv32-O2 rv32-Os microbit-O2 microbit-Os"
+  r5f-O2 r5f-O3 rv32-O2 rv32-Os microbit-O2 microbit-Os
+  gcc-avx2 gcc-avx512 clang-avx2 clang-avx512 aarch64-neon m55-mve"
 # where the whole command is built too, and its images compared
 CONFIGS_IMAGES="gcc-O0 gcc-O3 gcc-id16 clang-O3 i386-O2 armhf-O2 aarch64-O2 riscv64-O2 powerpc-O2
   s390x-O2 mips-O2"
@@ -52,9 +54,17 @@ config_bare() {
   fi
 }
 
+# FLAG...: of this machine's processor
+config_cpu() {
+  for flag in "$@"; do
+    grep -qsw "$flag" /proc/cpuinfo && continue
+    PACKAGES="a processor with $flag" MISSING=yes
+  done
+}
+
 config_machine() { # of the part before the dash
   AR=ar NM=nm OBJDUMP=objdump RUN='' EXTRA='' PACKAGES='' TOOLS='' MISSING=no
-  MACHINE='x86-64 64 little' IS_BARE=no CASES=all LIMITS='' RESTORED=often
+  MACHINE='x86-64 64 little' IS_BARE=no CASES=all LIMITS='' RESTORED=often KERNEL=''
   case $1 in
     gcc) CC=gcc TOOLS=gcc PACKAGES=gcc ;;
     clang) CC=clang TOOLS=clang PACKAGES=clang ;;
@@ -77,6 +87,10 @@ config() {
     *-id16) OPT=-O2 EXTRA="$EXTRA -DFRAY_ID_BITS=16" ;;
     *-narrow) OPT=-O2 EXTRA="$EXTRA -DFX_NARROW=1 -DFX_NO_LONG_MULTIPLY=1" ;;
     *-checked) OPT=-O2 EXTRA="$EXTRA -DFRAY_CHECKED" ;;
+    *-avx2) OPT=-O3 KERNEL=AVX2; config_cpu avx2 ;;
+    *-avx512) OPT=-O3 KERNEL=AVX512; config_cpu avx512f avx512bw avx512dq avx512vl ;;
+    *-neon) OPT=-O3 KERNEL=NEON ;;
+    *-mve) OPT=-O2 KERNEL=HELIUM ;;
     # gcc 12 sees a loop of at most 16 run over 16 bytes there (cmac.c), and nowhere else
     i386-O3 | s390x-O3 | powerpc-O3 | riscv64-O3 | mips-O3)
       OPT=-O3 EXTRA="$EXTRA -Wno-error=stringop-overflow" ;;
@@ -85,6 +99,7 @@ config() {
     *-O0) OPT=-O0 RESTORED=no LIMITS="$LIMITS -DCROSS_RESTORED=0" ;;
     *) OPT=-${1#*-} ;;
   esac
+  if [ -n "$KERNEL" ]; then LIMITS="$LIMITS -DCROSS_KERNEL=FRAY_KERNEL_$KERNEL"; fi
   for tool in $TOOLS; do have "$tool" || MISSING=yes; done
   [ "$MISSING" = no ]
 }

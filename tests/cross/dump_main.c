@@ -7,6 +7,9 @@
 #ifndef CROSS_MEMORY
 #define CROSS_MEMORY 98304
 #endif
+#ifndef CROSS_KERNEL
+#define CROSS_KERNEL FRAY_KERNEL_SCALAR
+#endif
 _Alignas(16) static uint8_t memory[CROSS_MEMORY];
 
 static void print_word(const char *what, uint32_t index, const char *field, int32_t value) {
@@ -88,6 +91,7 @@ int main(void) {
     const cross_case *c = &cross_cases[n];
     if (!is_wanted(c->name)) continue;
     if (fray_open(c->image, c->image_bytes, memory, CROSS_MEMORY, &world, 0) != FRAY_OK) return 1;
+    if (!fray_use(world, CROSS_KERNEL)) return 1;
     for (uint32_t tick = 0; tick <= CROSS_DUMP_TICK; ++tick)
       fray_tick(world, tick < c->input_count ? &c->inputs[tick] : &nothing, &out);
     print_particles(world);

@@ -9,7 +9,8 @@
  *   restored same                a second run, saved and opened again every 64 ticks, put out the
  *                                same in every tick; else the first tick that differs
  *
- * For want of memory the second run is saved once, where CROSS_SAVED_IMAGES is 1; for want of time
+ * Worlds are run by CROSS_KERNEL, the scalar code unless told; where the build lacks it they count
+ * as refused. For want of memory the second run is saved once, where CROSS_SAVED_IMAGES is 1; for want of time
  * it is left out, where CROSS_RESTORED is 0. */
 #include "rt/base/bytes.h"
 #include "tests/cross/line.h"
@@ -25,6 +26,9 @@
 #endif
 #ifndef CROSS_RESTORED
 #define CROSS_RESTORED 1
+#endif
+#ifndef CROSS_KERNEL
+#define CROSS_KERNEL FRAY_KERNEL_SCALAR
 #endif
 enum { SAVE_EVERY = 64, SPANS = 32 };
 
@@ -76,7 +80,7 @@ static fray_world *open_world(const uint8_t *image, uint32_t bytes) {
   fray_world *world = 0;
   if (fray_bytes(image, bytes, &needed, 0) != FRAY_OK || needed > CROSS_MEMORY) return 0;
   if (fray_open(image, bytes, memory, CROSS_MEMORY, &world, 0) != FRAY_OK) return 0;
-  return world;
+  return fray_use(world, CROSS_KERNEL) ? world : 0;
 }
 
 static const fray_input *input_of(const cross_case *c, uint32_t tick) {

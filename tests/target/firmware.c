@@ -108,8 +108,12 @@ int main(void) {
   fray_world *world = 0;
   fray_error error;
   if (fray_bytes(image, image_bytes, &bytes, &error) == FRAY_OK &&
-      fray_open(image, image_bytes, memory, sizeof memory, &world, &error) == FRAY_OK)
+      fray_open(image, image_bytes, memory, sizeof memory, &world, &error) == FRAY_OK) {
+#ifdef FIRMWARE_KERNEL
+    if (!fray_use(world, FIRMWARE_KERNEL)) return 2;
+#endif
     return run(world, (uint32_t)bytes);
+  }
   platform_print("refused: expected ");
   platform_print(error.what);
   print_number(", world ", (uint32_t)bytes);

@@ -35,16 +35,21 @@ prepare() {
     -o "$work/stage_count.so"
 }
 
-count() { # MACHINE: pieces and their instructions in MACHINE.joined
-  elf=$work/$1.elf
-  sh tests/target/target.sh build "$1" -O2 "$elf" -g tests/work/work_main.c tests/target/port_bare.c \
-    "$work/cases.c" rt/base/*.c rt/model/*.c rt/stage/*.c rt/run/*.c || return 1
-  case $1 in rv32) tools=riscv64-unknown-elf ;; *) tools=arm-none-eabi ;; esac
+count_pieces() { # MACHINE NAME OPTION...: pieces and their instructions in NAME.joined
+  machine=$1 name=$2 elf=$work/$2.elf
+  shift 2
+  sh tests/target/target.sh build "$machine" -O2 "$elf" -g "$@" tests/work/work_main.c tests/target/port_bare.c \
+    "$work/cases.c" rt/base/*.c rt/model/*.c rt/stage/*.c rt/run/*.c rt/wide/*.c || return 1
+  case $machine in rv32) tools=riscv64-unknown-elf ;; *) tools=arm-none-eabi ;; esac
   compiler=$tools-gcc
-  $tools-nm -S "$elf" | awk 'NF == 4 { print $1, $2, $4 }' >"$work/$1.symbols"
-  sh tests/target/target.sh run "$1" "$elf" >"$work/$1.lines" -plugin \
-    "$work/stage_count.so,symbols=$work/$1.symbols,out=$work/$1.counts" || return 1
-  awk -f tests/work/join.awk "$work/$1.counts" "$work/$1.lines" >"$work/$1.joined"
+  $tools-nm -S "$elf" | awk 'NF == 4 { print $1, $2, $4 }' >"$work/$name.symbols"
+  sh tests/target/target.sh run "$machine" "$elf" >"$work/$name.lines" -plugin \
+    "$work/stage_count.so,symbols=$work/$name.symbols,out=$work/$name.counts" || return 1
+  awk -f tests/work/join.awk "$work/$name.counts" "$work/$name.lines" >"$work/$name.joined"
+}
+
+count() { # MACHINE: pieces in MACHINE.joined, the bounds of its stages in MACHINE.bound
+  count_pieces "$1" "$1" || return 1
   $tools-objdump -d -l --no-show-raw-insn "$elf" >"$work/$1.dis"
   cp tests/work/loops.txt "$work/loops.txt"
   if [ "$1" = m0 ]; then cat tests/work/loops_m0.txt >>"$work/loops.txt"; fi
@@ -99,6 +104,20 @@ largest() {
   done
 }
 
+# The M55's vector extension beside its scalar code, in instructions: by stage, in the median tick of hands_16.
+helium() {
+  if ! packages=$(sh tests/target/target.sh needs m55); then
+    not_run "work on m55" "$packages"
+    return
+  fi
+  if count_pieces m55 m55_scalar && count_pieces m55 m55_helium -DWORK_KERNEL=FRAY_KERNEL_HELIUM &&
+    awk -f tests/work/kernels.awk "$work/m55_scalar.joined" "$work/m55_helium.joined"; then
+    pass
+  else
+    fail "work on m55, scalar beside helium: it does not build or run"
+  fi
+}
+
 # The tools must find what they look for: a loop that nobody named, and a bound that is too low.
 check_the_checks() {
   [ -s "$work/m3.dis" ] || return 0
@@ -121,6 +140,7 @@ prepare
 rm -f "$work"/*.budget
 for machine in $machines; do check "$machine"; done
 largest
+helium
 check_the_checks
 if sh tests/work/sweep.sh; then pass; else fail "sweeps"; fi
 for machine in $machines; do

@@ -15,6 +15,9 @@
 
 enum { MEMORY = 1 << 18, STORMS = 8 };
 
+#ifndef WORK_KERNEL
+#define WORK_KERNEL FRAY_KERNEL_SCALAR
+#endif
 _Alignas(16) static uint8_t memory[MEMORY];
 
 void work_mark(void);
@@ -22,7 +25,8 @@ __attribute__((noinline)) void work_mark(void) { __asm__ volatile("" ::: "memory
 
 static fray_world *open_case(const cross_case *c) {
   fray_world *world;
-  return fray_open(c->image, c->image_bytes, memory, sizeof memory, &world, 0) == FRAY_OK ? world : 0;
+  if (fray_open(c->image, c->image_bytes, memory, sizeof memory, &world, 0) != FRAY_OK) return 0;
+  return fray_use(world, WORK_KERNEL) ? world : 0;
 }
 
 static void print_work(const char *what, const cross_case *c, uint32_t n, uint32_t torn, const fray_work *k) {
