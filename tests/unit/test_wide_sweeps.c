@@ -23,7 +23,7 @@ typedef struct {
   int8_t byte[MOST];
   sweep_motion motion;
   reach near;
-  hash h;
+  hash h[3];
   uint32_t all, first, end, answer;
   int32_t share, gravity;
 } span;
@@ -93,7 +93,8 @@ static void make_span(span *s) {
   s->motion.velocity = vec_make(some_speed(), some_speed(), some_speed());
   for (int n = 0; n < 3; ++n) s->motion.turn[n] = some_turn();
   make_reach(&s->near);
-  for (int k = 0; k < HASH_LANES; ++k) s->h.lane[k] = random_word();
+  for (int n = 0; n < 3; ++n)
+    for (int k = 0; k < HASH_LANES; ++k) s->h[n].lane[k] = random_word();
 }
 
 typedef void sweep(span *s, fray_kernel kernel, const span_arrays *a);
@@ -129,16 +130,18 @@ static void do_near_plane(span *s, fray_kernel kernel, const span_arrays *a) {
                   : wide_near_plane(kernel, &s->near, w[0], w[1], w[2], w[3], w[4], w[5], s->first, s->end);
 }
 static void do_words(span *s, fray_kernel kernel, const span_arrays *a) {
-  const int32_t *from = a->word[5] + s->first;
+  const int32_t *const from[3] = {a->word[3] + s->first, a->word[4] + s->first,
+                                  a->word[5] + s->first};
   const uint32_t count = s->end - s->first;
-  const uint32_t taken = wide_hash_words(kernel, &s->h, from, count);
-  hash_words(&s->h, from + taken, count - taken);
+  const uint32_t taken = wide_hash_words(kernel, s->h, from, count);
+  for (int n = 0; n < 3; ++n) hash_words(&s->h[n], from[n] + taken, count - taken);
 }
 static void do_bytes(span *s, fray_kernel kernel, const span_arrays *a) {
-  const int8_t *from = a->byte + s->first;
-  const uint32_t count = s->end - s->first;
-  const uint32_t taken = wide_hash_bytes(kernel, &s->h, from, count);
-  hash_bytes(&s->h, from + taken, count - taken);
+  const uint32_t third = (s->end - s->first) / 3;
+  const int8_t *const from[3] = {a->byte + s->first, a->byte + s->first + third,
+                                 a->byte + s->end - third};
+  const uint32_t taken = wide_hash_bytes(kernel, s->h, from, third);
+  for (int n = 0; n < 3; ++n) hash_bytes(&s->h[n], from[n] + taken, third - taken);
 }
 
 static guarded memory_word[ARRAYS], memory_byte;
@@ -151,7 +154,7 @@ static int kernel_is_as(const span *given, const span *expected, sweep *run, fra
     a.word[n] = memcpy(guarded_place(&memory_word[n], 4 * s.all, at_end), s.word[n], 4 * s.all);
   a.byte = memcpy(guarded_place(&memory_byte, s.all, at_end), s.byte, s.all);
   run(&s, kernel, &a);
-  int same = s.answer == expected->answer && memcmp(&s.h, &expected->h, sizeof s.h) == 0 &&
+  int same = s.answer == expected->answer && memcmp(s.h, expected->h, sizeof s.h) == 0 &&
              memcmp(&s.motion, &expected->motion, sizeof s.motion) == 0 &&
              memcmp(a.byte, expected->byte, s.all) == 0 && guarded_intact(&memory_byte);
   for (int n = 0; n < ARRAYS; ++n)
