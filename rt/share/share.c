@@ -2,8 +2,9 @@
 /* A tick by several workers: the stages of rt/run/step.c, in parts.
  *
  * Once a tick, and everybody waits for everybody: each worker takes its share of the particles or of
- * a batch's rows. The substeps are not divided but overlap (plan.h): workers in turn take `depth`
- * passes, which are sweeps of substeps, each a block behind the pass before it. What a pass needs besides particles is a pure function of the tick's start: gravity's
+ * a batch's rows. The substeps are not divided but overlap (plan.h): each worker has some blocks of its
+ * own, and takes them in one pass after the other, a pass being a sweep of a substep; so particles stay
+ * in its cache. What a pass needs besides them is a pure function of the tick's start: gravity's
  * remainder, and where driven bodies are. Sums of impulses and counts do not depend on their order.
  *
  * Bodies that fly free are moved by what the cloth gave them in the substep before, so in worlds
@@ -38,12 +39,11 @@ uint32_t fray_share_useful(const fray_world *w, uint32_t workers_max) {
 
 /* The parts first: they want whole lines. */
 static fray_share *carve(const fray_world *w, uint32_t workers, arena *a) {
-  const uint32_t count = workers * (uint32_t)SHARE_DEPTH_MAX;
-  share_part *parts = (share_part *)arena_take(a, count, sizeof *parts);
+  share_part *parts = (share_part *)arena_take(a, workers, sizeof *parts);
   fray_share *s = (fray_share *)arena_take(a, 1, sizeof *s);
   void *scratch = arena_take(a, 1, plan_scratch_bytes(w));
   if (s != NULL) {
-    bytes_zero(parts, count * sizeof *parts);
+    bytes_zero(parts, workers * sizeof *parts);
     bytes_zero(s, sizeof *s);
     s->parts = parts;
     s->scratch = scratch;
@@ -79,7 +79,7 @@ int fray_share_holds(const fray_share *s) {
 /* What the parts share with the world is copied anew: a tick may have loaded or moved anything. */
 static void hand_out(fray_share *s) {
   const fray_world *w = s->world;
-  for (uint32_t n = 0; n < s->workers * s->depth; ++n) {
+  for (uint32_t n = 0; n < s->workers; ++n) {
     share_part *part = &s->parts[n];
     part->world = *w;
     part->state = *w->state;
@@ -95,7 +95,7 @@ static void hand_out(fray_share *s) {
 /* What the workers have counted and given goes to the world; nothing of it twice. */
 static void join(fray_share *s) {
   fray_world *w = s->world;
-  for (uint32_t n = 0; n < s->workers * s->depth; ++n) {
+  for (uint32_t n = 0; n < s->workers; ++n) {
     share_part *part = &s->parts[n];
     fray_work *k = &part->world.work;
     w->state->faults |= part->state.faults;
@@ -166,17 +166,18 @@ static void finish_block(const fray_share *s, fray_world *w, uint32_t k) {
     finish_contacts(w, s->contact_from[k][b], s->contact_from[k + 1u][b]);
 }
 
-static void run_block(const fray_share *s, share_part *part, share_place at) {
+static void run_block(const fray_share *s, uint32_t worker, share_place at) {
+  share_part *part = &s->parts[worker];
   fray_world *w = &part->world;
   const uint32_t sweeps = (uint32_t)w->params->sweeps;
   const uint32_t sweep = at.pass % sweeps;
   const plan_block *block = &s->blocks[at.block];
   const plan_block *before = at.block != 0 ? block - 1 : NULL;
-  if (before == NULL) {
+  if (at.block == s->from[worker]) {
     begin_substep(s, part, at.pass / sweeps);
     w->contact_count = s->world->contact_count;
-    if (sweep == 0) predict_held(w);
   }
+  if (before == NULL && sweep == 0) predict_held(w);
   if (sweep == 0)
     predict_part(w, before != NULL ? before->predict_end : (uint32_t)w->params->held,
                  block->predict_end);
@@ -199,14 +200,12 @@ static void run_substeps(fray_share *s, uint32_t worker, uint32_t step) {
     return;
   }
   share_place place;
-  for (uint32_t n = 0; n < s->depth; ++n)
-    if (share_place_of(s, worker, step, n, &place))
-      run_block(s, &s->parts[worker * s->depth + n], place);
+  if (share_place_of(s, worker, step, &place)) run_block(s, worker, place);
 }
 
 static void join_cuts(fray_share *s) {
   for (uint32_t n = 0; n < s->workers; ++n) {
-    const fray_world *part = &s->parts[n * s->depth].world;
+    const fray_world *part = &s->parts[n].world;
     s->world->cuts_waiting += part->cuts_waiting;
     for (uint32_t k = 0; k < part->cut_count; ++k) cuts_enlist(s->world, part->cuts[k]);
   }
@@ -217,9 +216,7 @@ static void join_tick(fray_share *s, fray_output *output) {
   join(s);
   join_cuts(s);
   if (s->block_count != 0) {
-    const uint32_t pass = s->passes - 1u;
-    const share_part *last =
-        &s->parts[pass / s->depth % s->workers * s->depth + pass % s->depth];
+    const share_part *last = &s->parts[0];
     bytes_copy(w->state->gravity_phase, last->state.gravity_phase, sizeof w->state->gravity_phase);
     bytes_copy(w->body_states, last->bodies, sizeof(body_state) * w->capacity[POOL_BODIES]);
   }
@@ -242,21 +239,23 @@ static void close_tick(fray_share *s, fray_output *output) {
   report_end(s->world, hash_end(&h), output);
 }
 
-/* What a worker takes of `count` things from `first` on. */
+/* What a worker takes of `count` things from `first` on: as much as it has of the particles, which lie
+ * in the same order. */
 typedef struct {
   uint32_t first, end;
 } share_range;
 
 static share_range range_of(const fray_share *s, uint32_t worker, uint32_t first, uint32_t count) {
-  const share_range range = {first + (uint32_t)((uint64_t)count * worker / s->workers),
-                             first + (uint32_t)((uint64_t)count * (worker + 1u) / s->workers)};
+  const uint64_t n = count;
+  const share_range range = {first + (uint32_t)(n * s->part[worker] >> 16),
+                             first + (uint32_t)(n * s->part[worker + 1u] >> 16)};
   return range;
 }
 
 void fray_share_step(fray_share *s, uint32_t worker, uint32_t step, const fray_input *input,
                      fray_output *output) {
   const params *p = s->world->params;
-  fray_world *w = &s->parts[worker * s->depth].world;
+  fray_world *w = &s->parts[worker].world;
   if (step == 0) {
     if (worker == 0) open_tick(s, input, output);
   } else if (step < s->at.springs) {
@@ -265,7 +264,9 @@ void fray_share_step(fray_share *s, uint32_t worker, uint32_t step, const fray_i
     damp_part(w, own.first, own.end);
   } else if (step < s->at.gather) {
     const uint32_t b = (uint32_t)p->link_batches + step - s->at.springs;
-    springs_part(w, b, b + 1u, worker, s->workers);
+    const share_range own =
+        range_of(s, worker, (uint32_t)w->batches[b].first, (uint32_t)w->batches[b].count);
+    springs_part(w, b, own.first, own.end);
   } else if (step < s->at.substeps) {
     if (worker == 0) gather(s);
   } else if (step < s->at.tear) {

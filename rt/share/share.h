@@ -19,12 +19,8 @@ typedef struct {
   cut cuts[LIMIT_CUTS];
 } share_part;
 
-/* Passes that a worker takes at a time: in each step a block of each of them, one further back for each
- * pass. So what one has loaded serves the next. */
-enum { SHARE_DEPTH_MAX = 8 };
-
-/* The steps of a tick that every worker takes, in their order. The substeps are turns of `turn_steps`
- * steps, or one step where a single worker takes them all. */
+/* The steps of a tick that every worker takes, in their order. The substeps are `own_most` steps a pass,
+ * or one step where a single worker takes them all. */
 typedef struct {
   uint32_t damp, springs, gather, substeps, tear, join, hash, close, end;
 } share_steps;
@@ -34,24 +30,24 @@ struct fray_share {
   uint32_t workers;
   uint32_t passes;        /* sweeps of a tick */
   uint32_t block_count;   /* 0: the substeps are one worker's */
-  uint32_t depth;         /* passes of a turn, 1..SHARE_DEPTH_MAX */
-  uint32_t turn_steps;
+  uint32_t own_most;      /* blocks of the worker that has most */
+  uint32_t from[FRAY_WORKERS_MAX + 1]; /* worker n has blocks from[n] to from[n + 1] - 1 */
+  uint32_t part[FRAY_WORKERS_MAX + 1]; /* Q16: where its particles begin among all */
   share_steps at;
   hash axes[HASHED][3];
   plan_block blocks[PLAN_BLOCKS_MAX];
   uint32_t contact_from[PLAN_BLOCKS_MAX + 1][LIMIT_BODIES]; /* by block and body */
-  share_part *parts;      /* `depth` for each worker */
+  share_part *parts;      /* one for each worker */
   void *scratch;
 };
 
-/* Chooses depth and turn_steps and places the steps, from all before them. */
+/* Divides the blocks and places the steps, from all before them. */
 void share_order(fray_share *s);
 
-/* What a worker does as the n-th thing of a step of the substeps, n < depth. Returns 0: nothing. */
+/* What a worker does in a step of the substeps. Returns 0: nothing. */
 typedef struct {
   uint32_t pass, block;
 } share_place;
-int share_place_of(const fray_share *s, uint32_t worker, uint32_t step, uint32_t n,
-                   share_place *place);
+int share_place_of(const fray_share *s, uint32_t worker, uint32_t step, share_place *place);
 
 #endif

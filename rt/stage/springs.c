@@ -93,28 +93,29 @@ static void run_rows(fray_world *w, spring_view s, uint32_t first, uint32_t end,
   }
 }
 
-/* A run of batches that several share is one batch, as springs_part() is asked for it. */
-void springs_part(fray_world *w, uint32_t b, uint32_t batches, uint32_t part, uint32_t parts) {
+/* Rows first..end-1, which are of `count` batches from b on, all of one kind. */
+static void run_batches(fray_world *w, const row_batch *b, uint32_t count, uint32_t first,
+                        uint32_t end) {
   const spring_view view = {w->x,  w->y,     w->z,     w->vx,        w->vy,
                             w->vz, w->row_i, w->row_j, w->row_class, w->springs};
-  while (b < batches) {
-    const int32_t held = w->batches[b].held;
-    const uint32_t all = (uint32_t)w->batches[b].first;
-    const uint32_t begun = b;
-    const uint32_t count = world_run_of_batches(w, &b, batches) - all;
-    const uint32_t first = all + count * part / parts;
-    const uint32_t end = all + count * (part + 1u) / parts;
-    const row_batch own = {(int32_t)first, (int32_t)(end - first), held};
-    const row_batch *run = parts == 1 ? w->batches + begun : &own;
-    if (held == BATCH_IDLE) continue;
-    if (held == BATCH_HELD || !wide_push(w->kernel, view, run, parts == 1 ? b - begun : 1u))
-      run_rows(w, view, first, end, held);
-    w->work.springs += end - first;
-  }
+  if (b->held == BATCH_IDLE) return;
+  if (b->held == BATCH_HELD || !wide_push(w->kernel, view, b, count))
+    run_rows(w, view, first, end, b->held);
+  w->work.springs += end - first;
+}
+
+void springs_part(fray_world *w, uint32_t b, uint32_t first, uint32_t end) {
+  const row_batch part = {(int32_t)first, (int32_t)(end - first), w->batches[b].held};
+  run_batches(w, &part, 1, first, end);
 }
 
 void springs_run(fray_world *w) {
-  const uint32_t links = (uint32_t)w->params->link_batches;
-  springs_part(w, links,
-               links + (uint32_t)w->params->bend_batches + (uint32_t)w->params->shear_batches, 0, 1);
+  const uint32_t last = (uint32_t)w->params->link_batches + (uint32_t)w->params->bend_batches +
+                        (uint32_t)w->params->shear_batches;
+  uint32_t b = (uint32_t)w->params->link_batches;
+  while (b < last) {
+    const uint32_t begun = b;
+    const uint32_t end = world_run_of_batches(w, &b, last);
+    run_batches(w, w->batches + begun, b - begun, (uint32_t)w->batches[begun].first, end);
+  }
 }

@@ -292,17 +292,15 @@ typedef struct {
   clock follows;
 } task;
 
-/* The blocks that a worker takes in one step, with what they follow. */
-static void note_tasks(const shared *s, uint32_t worker, uint32_t step, const clock *c, task *tasks) {
+/* The block that a worker takes in one step, with what it follows. */
+static void note_task(const shared *s, uint32_t worker, uint32_t step, const clock *c, task *tasks) {
   share_place p;
-  for (uint32_t n = 0; n < s->share->depth; ++n) {
-    if (!share_place_of(s->share, worker, step, n, &p)) continue;
-    task *t = &tasks[p.pass * s->share->block_count + p.block];
-    CHECK_EQ_INT(t->step, 0); /* once */
-    t->worker = worker;
-    t->step = step;
-    t->follows = *c;
-  }
+  if (!share_place_of(s->share, worker, step, &p)) return;
+  task *t = &tasks[p.pass * s->share->block_count + p.block];
+  CHECK_EQ_INT(t->step, 0); /* once */
+  t->worker = worker;
+  t->step = step;
+  t->follows = *c;
 }
 
 /* All blocks of a tick's passes: tasks[pass * blocks + block]. Workers go in turn, each as far as it
@@ -329,13 +327,13 @@ static void find_tasks(const shared *s, task *tasks) {
           if (v != worker && other->after[v] > c->after[v]) c->after[v] = other->after[v];
         if (c->after[need.worker] < need.steps) c->after[need.worker] = need.steps;
       }
-      note_tasks(s, worker, step, c, tasks);
+      note_task(s, worker, step, c, tasks);
     }
 }
 
-/* a stands before b in one worker's order; does it here? In a step the passes are taken in order. */
+/* a stands before b in one worker's order; does it here? */
 static int is_before(const task *a, const task *b) {
-  return b->follows.after[a->worker] > a->step || (a->worker == b->worker && a->step == b->step);
+  return b->follows.after[a->worker] > a->step;
 }
 
 /* Every pair of blocks of a tick: one follows the other, or they share no particle. */
@@ -357,7 +355,7 @@ static void check_pairs(const shared *s, const uint8_t *touched, const task *tas
     }
   }
   CHECK_EQ_INT(bad, 0);
-  CHECK(beside > 0 || s->workers == 1 || share->passes <= share->depth);
+  CHECK(beside > 0 || s->workers == 1 || share->passes < 2);
   free(meets);
 }
 

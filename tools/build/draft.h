@@ -15,6 +15,7 @@ typedef struct {
   uint32_t step;      /* when it is stepped */
   uint32_t single;    /* in no run */
   uint32_t along_warp;
+  uint32_t ordered;   /* a link */
   uint32_t canonical;
   uint32_t i, j;      /* particles */
 } draft_row;

@@ -55,13 +55,13 @@ static draft_row make_row(const draft *d, uint32_t canonical) {
   const uint32_t la = d->level[a];
   const uint32_t lb = d->level[b];
   /* springs act on velocities all at once: their order does not matter */
-  const int ordered = canonical < weave_links(d->grid);
+  r.ordered = canonical < weave_links(d->grid);
   r.kind = held == 0 ? BATCH_FREE : (held == 1 ? BATCH_HELD : BATCH_IDLE);
   r.canonical = canonical;
   r.i = d->particle[a] < d->particle[b] ? d->particle[a] : d->particle[b];
   r.j = d->particle[a] < d->particle[b] ? d->particle[b] : d->particle[a];
   r.colour = la == lb  ? colour_along(d->grid, canonical, a, b)
-             : ordered ? link_across(d, a, b)
+             : r.ordered ? link_across(d, a, b)
                        : spring_across(d, a, b);
   r.level = la < lb ? la : lb;
   r.step = r.colour;
@@ -105,7 +105,8 @@ static int compare_rows(const void *left, const void *right) {
   int order = compare_batches(a, b);
   if (order == 0) order = compare(a->single, b->single);
   if (order == 0 && a->single) order = compare(a->along_warp, b->along_warp);
-  if (order == 0) order = compare(b->level, a->level); /* what the batch before moved last, last */
+  /* what the batch before moved last, last; springs, which have no order, with the particles */
+  if (order == 0 && a->ordered) order = compare(b->level, a->level);
   if (order == 0) order = compare(a->i, b->i);
   return order != 0 ? order : compare(a->canonical, b->canonical);
 }
