@@ -45,7 +45,7 @@ static void start(int16_t apart) {
 /* `count` SYNCs are lost; `seen`: they are on the bus, and only nobody said so. */
 static void lose(uint32_t count, uint32_t seen) {
   const size_t from = sim.count;
-  const uint64_t hash = fray_hash(s.f.w);
+  const uint64_t known = fray_hash(s.f.w);
   const uint32_t tick = fray_describe(s.f.w).tick;
   sim.sync_fails = count;
   sim.sync_seen = seen;
@@ -56,7 +56,7 @@ static void lose(uint32_t count, uint32_t seen) {
   }
   losses += count;
   CHECK_EQ_INT(s.l.bus_losses, losses);
-  CHECK(fray_hash(s.f.w) == hash);
+  CHECK(fray_hash(s.f.w) == known);
   CHECK_EQ_INT(fray_describe(s.f.w).tick, tick);
   for (size_t n = from; n < sim.count; ++n) {
     const sim_entry *e = &sim.entries[n];
@@ -64,7 +64,7 @@ static void lose(uint32_t count, uint32_t seen) {
     if (!e->own) continue;
     CHECK_EQ_INT(codec_decode_sync(&e->f, 0, &sync), CODEC_OK); /* nothing else is sent */
     CHECK_EQ_INT(sync.tick, tick);
-    CHECK(sync.hash == (uint32_t)(hash & 0xFFFFFFFFu));
+    CHECK(sync.hash == (uint32_t)(known & 0xFFFFFFFFu));
   }
   CHECK_EQ_INT(sim_own(from, dictionary_id(MESSAGE_SYNC, 0), !seen), count);
 }
@@ -77,7 +77,7 @@ static void comes_back(void) {
   const size_t from = sim.count;
   const uint32_t tick = fray_describe(s.f.w).tick;
   const uint32_t frames = s.l.output.faults == FRAY_FAULT_HALTED ? 5 : 6;
-  const uint32_t hash = (uint32_t)(fray_hash(s.f.w) & 0xFFFFFFFFu);
+  const uint32_t known = (uint32_t)(fray_hash(s.f.w) & 0xFFFFFFFFu);
   s.silent = 0;
   CHECK_EQ_INT(one_tick(), LOOP_TICKED);
   uint32_t count = 0;
@@ -88,7 +88,7 @@ static void comes_back(void) {
   codec_sync sync;
   codec_command command;
   CHECK_EQ_INT(codec_decode_sync(&sim.entries[from].f, 0, &sync), CODEC_OK);
-  CHECK(sync.tick == tick && sync.hash == hash);
+  CHECK(sync.tick == tick && sync.hash == known);
   CHECK_EQ_INT(codec_decode_command(&sim.entries[from + 1].f, 0, &command), CODEC_OK);
   CHECK_EQ_INT(command.verb, FRAY_VERB_HALT);
   CHECK_EQ_INT(s.l.output.acked, FRAY_VERB_HALT);
