@@ -65,6 +65,12 @@ $(BUILD)/tools/render/%.o: FLAGS += -ffp-contract=off $(FLOATS)
 $(TESTS) $(HELPERS): $(BUILD)/%: $(BUILD)/%.o $(TOOLS_LIB) $(RT_LIB)
 	@$(CC) $(EXTRA) $(filter %.o,$^) $(filter %.a,$^) -lm -pthread -o $@
 
+# the runtime's strain stage, and others in its place
+FEWER := $(BUILD)/tests/fewer/fewer
+-include $(FEWER).d $(BUILD)/tests/fewer/methods.d
+$(FEWER): $(BUILD)/tests/fewer/fewer.o $(BUILD)/tests/fewer/methods.o $(TOOLS_LIB) $(RT_LIB)
+	@$(CC) $(EXTRA) $^ -lm -pthread -o $@
+
 # Boards of their own: the bus in memory for the loop, and a kernel in memory for the board on Linux.
 $(SIM_TESTS): $(SIM_O)
 $(SYS_TESTS): $(BUILD)/tests/sim/sys_faults.o $(FAULT_O)
@@ -170,6 +176,10 @@ work: $(FRAY) $(HELPERS) ## instructions per tick by stage on small targets, the
 
 bench: $(FRAY) ## times by stage beside float loops, for every scene: out/bench.md, out/bench.json (minutes)
 	@FRAY=$(FRAY) sh tools/bench/bench.sh out
+
+.PHONY: fewer
+fewer: $(FEWER) ## strain against counted projections, for other ways to hold links; SCENE=two_hands picks (minutes)
+	@$(FEWER) $(SCENE)
 
 clean: ## remove what was built
 	rm -rf $(BUILD) build-san-gcc build-san-clang build-san-integer build-checked out

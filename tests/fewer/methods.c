@@ -112,22 +112,42 @@ static void add_row(const fray_world *w, uint32_t from, uint32_t span, uint32_t 
   r->span = span;
   r->axis = axis;
   r->dead = 0;
-  r->turn = ((group * 4096 + (is_held(w, a) || is_held(w, b) ? 0 : near + 1)) * 2 + axis) * 4 +
-            colour;
+  const uint32_t place = is_held(w, a) || is_held(w, b) ? 0 : near + 1;
+  r->turn = ((group * 4096 + (now.inwards != 0 ? 4095 - place : place)) * 2 + axis) * 4 + colour;
 }
 
-/* From both ends of a yarn to its middle, so that the mirror image has the same rows. */
+/* A piece of a yarn in spans of nearly equal length, the same from both ends; `first` is a crossing. A
+ * span shorter than its neighbours would take a larger strain, a link that no span covers the largest. */
+static void add_spans(const fray_world *w, uint32_t first, uint32_t links, uint32_t axis,
+                      uint32_t stride, uint32_t group) {
+  uint32_t spans = (links + stride / 2) / stride;
+  if (spans % 2 == 0) spans = spans * stride > links && spans > 0 ? spans - 1 : spans + 1;
+  if (links < 2 || links / spans < 2) return;
+  const uint32_t short_span = links / spans;
+  const uint32_t longer = links % spans;
+  const uint32_t middle = spans / 2;
+  uint32_t at = 0;
+  for (uint32_t k = 0; k < spans; ++k) {
+    const uint32_t from_end = k < middle ? k : spans - 1 - k;
+    const uint32_t more = k == middle ? longer % 2 : from_end < longer / 2;
+    add_row(w, first + at * step_of(w, axis), short_span + more, axis, group,
+            k == middle ? 2 : from_end % 2);
+    at += short_span + more;
+  }
+}
+
+/* Held crossings part a yarn. */
 static void add_strides(const fray_world *w, uint32_t axis, uint32_t stride, uint32_t group) {
-  const uint32_t links = yarn_length(w, axis) - 1;
-  const uint32_t half = links / (2 * stride);
+  const uint32_t length = yarn_length(w, axis);
   const uint32_t step = step_of(w, axis);
   for (uint32_t yarn = 0; yarn < yarn_length(w, 1 - axis); ++yarn) {
     const uint32_t start = yarn_start(w, axis, yarn);
-    for (uint32_t k = 0; k < half; ++k) {
-      add_row(w, start + k * stride * step, stride, axis, group, k % 2);
-      add_row(w, start + (links - (k + 1) * stride) * step, stride, axis, group, k % 2);
+    uint32_t begun = 0;
+    for (uint32_t n = 1; n < length; ++n) {
+      if (n + 1 < length && !is_held(w, start + n * step)) continue;
+      add_spans(w, start + begun * step, n - begun, axis, stride, group);
+      begun = n;
     }
-    add_row(w, start + half * stride * step, links - 2 * half * stride, axis, group, 2);
   }
 }
 
@@ -217,6 +237,11 @@ static void pull_back(fray_world *w, const long_row *r) {
   const double share = fmin(1 - rest / length, 0.2) / 2;
   for (uint32_t n = 0; n < 3; ++n) d[n] *= share;
   move_ends(w, r->i, r->j, d);
+}
+
+static void run_long_rows(fray_world *w) {
+  for (uint32_t r = 0; r < row_count; ++r) pull_back(w, &rows[r]);
+  w->work.projections += row_count;
 }
 
 /* ---- sweeps ---- */
@@ -352,8 +377,7 @@ void strain_run(fray_world *w) {
   if (!built) build(w);
   if (w->state->cuts_total != cuts_seen) end_cut_rows(w);
   for (int32_t n = 0; n < w->params->sweeps; ++n) {
-    for (uint32_t r = 0; r < row_count; ++r) pull_back(w, &rows[r]);
-    w->work.projections += row_count;
+    run_long_rows(w);
     if (now.chains != 0) {
       run_chains(w);
       continue;

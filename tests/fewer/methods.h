@@ -17,6 +17,7 @@ enum { METHOD_STRIDES = 4 };
 typedef struct {
   const char *name;
   uint32_t strides[METHOD_STRIDES]; /* one-sided rows along yarns, longest first; 0 ends */
+  uint32_t inwards;    /* 1: these rows go from far ones to held ones */
   uint32_t tether;     /* one-sided rows to the held crossing on the same yarn, every so many */
   sweep_order order;
   double factor;       /* share of a correction; 0: the runtime's own code */
