@@ -3,10 +3,11 @@
  *
  *   fewer [SCENE|mirror [METHOD]]
  *
- * A line a run: substeps, projections a tick, largest strain at rest and while the load moves, and how
- * far from a held crossing; what the energy gained above its start; the tick of the first cut with
- * tearing on, and how far from a held crossing; and, at rest and moving, the work as a share of what
- * the runtime's own code needs for the same strain, between its own runs: below 1 is a gain. */
+ * A line a run: substeps, projections a tick, largest strain at rest and while the load moves, and
+ * how far from a held crossing; what the energy gained above its start; the tick of the first cut
+ * with tearing on, and how far from a held crossing; and, at rest and moving, the work as a share
+ * of what the runtime's own code needs for the same strain, between its own runs: below 1 is a
+ * gain. */
 
 #include "platform/linux/cpu.h"
 #include "tests/fewer/methods.h"
@@ -47,8 +48,9 @@ typedef struct {
 static const scene_plan scenes[] = {
     {"hanging_80x40", "tests/scenes/hanging.scene", {NULL}, "substeps auto", "settle 0.2 s",
      {3, 4, 8}, 0, 300, 1, 0, 0},
-    {"hanging_160x80", "tests/scenes/hanging.scene", {"warps 80", "warps 160", "wefts 40", "wefts 80"},
-     "substeps auto", "settle 0.2 s", {6, 8, 12}, 0, 300, 1, 0, 0},
+    {"hanging_160x80", "tests/scenes/hanging.scene",
+     {"warps 80", "warps 160", "wefts 40", "wefts 80"}, "substeps auto",
+     "settle 0.2 s", {6, 8, 12}, 0, 300, 1, 0, 0},
     {"two_hands", "tests/scenes/two_hands.scene", {"tear 5 10 %", "tear off"}, "substeps auto",
      "settle 1 s", {10, 16, 24}, 0, 180, 0, 20, 1},
     {"cube", "tests/scenes/cube.scene", {"tear 5 10 %", "tear off"}, "substeps 16",
@@ -168,8 +170,8 @@ static outcome run(const scene_plan *s, const method *m, uint32_t substeps) {
   return o;
 }
 
-/* Work of what stands at this strain, on its runs' line in logarithms; the ends are drawn on. 0 where
- * its strain does not fall with its work. */
+/* Work of what stands at this strain, on its runs' line in logarithms; the ends are drawn on. 0
+ * where its strain does not fall with its work. */
 static double work_for(const outcome *base, int moving, double strain) {
   uint32_t n = 0;
   while (n + 2 < RUNGS && strain < (moving ? base[n + 1].moving : base[n + 1].rest)) ++n;
@@ -211,7 +213,7 @@ static void run_mirror(const method *m) {
                "limits {\n cuts_per_tick 64\n}\ngravity 0", NULL);
   do out = fixture_tick(&f, &fixture_idle);
   while (mirror_broken(f.w) == 0 && ++tick < MIRROR_TICKS);
-  printf("%-14s %-20s mirrored for %u of %u ticks, %u cuts\n", "mirror", m->name, tick,
+  printf("%-14s %-20s mirrored for %u of %d ticks, %u cuts\n", "mirror", m->name, tick,
          MIRROR_TICKS, out.cuts_total);
   fflush(stdout);
   fixture_close(&f);

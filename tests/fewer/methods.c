@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Extra rows and chains are computed in double and move whole position steps, equal and opposite, so
- * that momentum is exact and mirror images stay so; a product would do it in fixed point. */
+/* Extra rows and chains are computed in double and move whole position steps, equal and opposite,
+ * so that momentum is exact and mirror images stay so; the runtime would do it in fixed point. */
 #include "tests/fewer/methods.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* The runtime's own code, under another name. */
 #define strain_run strain_as_it_stands
@@ -45,6 +44,12 @@ void method_end(void) {
   row_count = row_capacity = built = 0;
 }
 
+static void *grown(void *old, size_t bytes) {
+  void *p = realloc(old, bytes);
+  if (p == NULL) abort();
+  return p;
+}
+
 /* ---- extra rows ---- */
 
 static uint32_t step_of(const fray_world *w, uint32_t axis) {
@@ -75,7 +80,7 @@ static int is_held(const fray_world *w, uint32_t crossing) {
 static void find_levels(const fray_world *w) {
   const uint32_t warps = (uint32_t)w->params->warps;
   const uint32_t count = warps * (uint32_t)w->params->wefts;
-  level = malloc(count * sizeof *level);
+  level = grown(NULL, count * sizeof *level);
   for (uint32_t c = 0; c < count; ++c) level[c] = is_held(w, c) ? 0 : 1u << 20;
   for (int changed = 1; changed;) {
     changed = 0;
@@ -100,7 +105,7 @@ static void add_row(const fray_world *w, uint32_t from, uint32_t span, uint32_t 
   if (span < 2 || (is_held(w, a) && is_held(w, b))) return;
   if (row_count == row_capacity) {
     row_capacity = row_capacity == 0 ? 4096 : row_capacity * 2;
-    rows = realloc(rows, row_capacity * sizeof *rows);
+    rows = grown(rows, row_capacity * sizeof *rows);
   }
   long_row *r = &rows[row_count++];
   const uint32_t pa = w->crossing[a];
@@ -116,8 +121,9 @@ static void add_row(const fray_world *w, uint32_t from, uint32_t span, uint32_t 
   r->turn = ((group * 4096 + (now.inwards != 0 ? 4095 - place : place)) * 2 + axis) * 4 + colour;
 }
 
-/* A piece of a yarn in spans of nearly equal length, the same from both ends; `first` is a crossing. A
- * span shorter than its neighbours would take a larger strain, a link that no span covers the largest. */
+/* A piece of a yarn in spans of nearly equal length, the same from both ends; `first` is a
+ * crossing. A span shorter than its neighbours takes a larger strain, and a link that no span
+ * covers the largest. */
 static void add_spans(const fray_world *w, uint32_t first, uint32_t links, uint32_t axis,
                       uint32_t stride, uint32_t group) {
   uint32_t spans = (links + stride / 2) / stride;
@@ -178,7 +184,7 @@ static void build(const fray_world *w) {
   built = 1;
   cuts_seen = 0;
   find_levels(w);
-  loud = calloc((size_t)w->params->link_batches, 1);
+  loud = grown(NULL, (size_t)w->params->link_batches);
   for (uint32_t axis = 0; axis < 2; ++axis) {
     if (now.tether != 0) add_tethers(w, axis);
     for (uint32_t n = 0; n < METHOD_STRIDES && now.strides[n] != 0; ++n)
@@ -358,7 +364,8 @@ static void run_chain(fray_world *w, uint32_t start, uint32_t axis) {
     const double pull = c.on[k] ? c.pull[k] : push[k] / shares;
     const int swap = c.p[k] > c.p[k + 1];
     double half[3];
-    for (uint32_t n = 0; n < 3; ++n) half[n] = (swap ? -pull : pull) * c.d[k][n] / (shares < 2 ? 2 : 1);
+    for (uint32_t n = 0; n < 3; ++n)
+      half[n] = (swap ? -pull : pull) * c.d[k][n] / (shares < 2 ? 2 : 1);
     move_ends(w, swap ? c.p[k + 1] : c.p[k], swap ? c.p[k] : c.p[k + 1], half);
   }
   w->work.projections += links * now.chain_cost;

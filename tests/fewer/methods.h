@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Other ways to hold a sheet's links than rt/stage/strain.c: an experiment. A program with methods.c
- * runs these in the place of the runtime's stage, also in the scene compiler's search and settling. */
+/* Other ways to hold a sheet's links than rt/stage/strain.c: an experiment. A program with
+ * methods.c runs these in the place of the runtime's stage, also where the scene compiler settles
+ * a sheet. */
 #ifndef FRAY_TESTS_FEWER_METHODS_H
 #define FRAY_TESTS_FEWER_METHODS_H
 
