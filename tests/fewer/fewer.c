@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Largest strain against counted projections, for what stands and for other ways (methods.h):
  *
- *   fewer [SCENE|mirror [METHOD]]
+ *   fewer [SCENE|mirror [METHOD [SUBSTEPS]]]
  *
  * A line a run: substeps, projections a tick, largest strain at rest and while the load moves, and
  * how far from a held crossing; what the energy gained above its start; the tick of the first cut
@@ -220,6 +220,14 @@ static void run_mirror(const method *m) {
   method_end();
 }
 
+static void print_run(const scene_plan *s, const method *m, uint32_t substeps, const outcome *o) {
+  printf("%-14s %-20s %3u substeps %9.0f projections  rest %6.2f %%", s->name, m->name, substeps,
+         o->work, o->rest);
+  printf("  moving %6.2f %% at %2u  gained %8.2g erg", o->moving, o->strained_at, o->gained);
+  if (s->tears && o->first_cut == 0) printf("  no cut");
+  if (s->tears && o->first_cut != 0) printf("  first cut %3u at %2u", o->first_cut, o->distance);
+}
+
 static void run_scene(const scene_plan *s, const char *only) {
   outcome base[RUNGS];
   for (uint32_t m = 0; m < METHODS; ++m) {
@@ -227,11 +235,7 @@ static void run_scene(const scene_plan *s, const char *only) {
     for (uint32_t n = 0; n < RUNGS; ++n) {
       const outcome o = run(s, &methods[m], s->rungs[n]);
       if (m == 0) base[n] = o;
-      printf("%-14s %-20s %3u substeps %9.0f projections  rest %6.2f %%", s->name, methods[m].name,
-             s->rungs[n], o.work, o.rest);
-      printf("  moving %6.2f %% at %2u  gained %8.2g erg", o.moving, o.strained_at, o.gained);
-      if (s->tears && o.first_cut == 0) printf("  no cut");
-      if (s->tears && o.first_cut != 0) printf("  first cut %3u at %2u", o.first_cut, o.distance);
+      print_run(s, &methods[m], s->rungs[n], &o);
       if (m != 0) {
         printf("  work");
         print_share(base, &o, 0);
@@ -243,13 +247,26 @@ static void run_scene(const scene_plan *s, const char *only) {
   }
 }
 
+static void run_once(const scene_plan *s, const char *only, uint32_t substeps) {
+  for (uint32_t m = 0; m < METHODS; ++m) {
+    if (strcmp(only, methods[m].name) != 0) continue;
+    const outcome o = run(s, &methods[m], substeps);
+    print_run(s, &methods[m], substeps, &o);
+    printf("\n");
+  }
+}
+
 int main(int argc, char **argv) {
   for (uint32_t m = 0; m < METHODS; ++m)
     if (argc < 2 || (strcmp(argv[1], "mirror") == 0 &&
                      (argc < 3 || strcmp(argv[2], methods[m].name) == 0)))
       run_mirror(&methods[m]);
-  for (uint32_t n = 0; n < SCENES; ++n)
-    if (argc < 2 || strcmp(argv[1], scenes[n].name) == 0)
+  for (uint32_t n = 0; n < SCENES; ++n) {
+    if (argc > 1 && strcmp(argv[1], scenes[n].name) != 0) continue;
+    if (argc > 3)
+      run_once(&scenes[n], argv[2], (uint32_t)strtoul(argv[3], NULL, 10));
+    else
       run_scene(&scenes[n], argc > 2 ? argv[2] : NULL);
+  }
   return 0;
 }
