@@ -22,8 +22,8 @@
 extern "C" {
 #endif
 
-#define FRAY_VERSION "0.2.0"
-#define FRAY_IMAGE_MAJOR 1u
+#define FRAY_VERSION "0.3.0"
+#define FRAY_IMAGE_MAJOR 2u
 #define FRAY_IMAGE_MINOR 0u
 
 enum { FRAY_HANDS = 2 };
