@@ -200,9 +200,9 @@ static void check_word(uint32_t word, uint32_t value, fray_status expected) {
 
 static void headers(void) {
   check_word(IMAGE_MAGIC_WORD, 0x59415247u, FRAY_BAD_MAGIC);
-  check_word(IMAGE_VERSION_WORD, 2u << 16, FRAY_BAD_VERSION);
+  check_word(IMAGE_VERSION_WORD, 3u << 16, FRAY_BAD_VERSION);
   check_word(IMAGE_VERSION_WORD, 0u << 16, FRAY_BAD_VERSION);
-  check_word(IMAGE_VERSION_WORD, 1u << 16 | 1u, FRAY_BAD_VERSION);
+  check_word(IMAGE_VERSION_WORD, FRAY_IMAGE_MAJOR << 16 | 1u, FRAY_BAD_VERSION);
   check_word(IMAGE_FEATURES_WORD, 0, FRAY_BAD_VERSION);
   check_word(IMAGE_FEATURES_WORD, IMAGE_SHORT_IDS | 2u, FRAY_BAD_VERSION);
   check_word(IMAGE_SECTIONS_WORD, SECTIONS - 1, FRAY_BAD_SECTION);
