@@ -20,7 +20,6 @@ static void divide(fray_share *s) {
     all += share[n];
   }
   uint64_t before = 0;
-  s->own_most = 0;
   for (uint32_t n = 0; n < s->workers; ++n) {
     const uint32_t left = n < owners ? 2u * (owners - 1u - n) : 0; /* blocks for those behind */
     uint32_t end = s->from[n];
@@ -30,8 +29,23 @@ static void divide(fray_share *s) {
             (uint64_t)rows_before(s, end) * all < before * rows_before(s, s->block_count)))
       ++end;
     s->from[n + 1u] = end;
-    if (end - s->from[n] > s->own_most) s->own_most = end - s->from[n];
   }
+}
+
+/* Only the ends of what a worker has meet others: what lies between them becomes one block. */
+static void join_middles(fray_share *s) {
+  uint32_t count = 0;
+  s->own_most = 0;
+  for (uint32_t n = 0; n < s->workers; ++n) {
+    const uint32_t first = s->from[n];
+    const uint32_t end = s->from[n + 1u];
+    s->from[n] = count;
+    for (uint32_t k = first; k < end; ++k)
+      if (k == first || k + 2u >= end) s->blocks[count++] = s->blocks[k];
+    if (count - s->from[n] > s->own_most) s->own_most = count - s->from[n];
+  }
+  s->from[s->workers] = count;
+  s->block_count = count;
 }
 
 static share_steps place_steps(const fray_share *s) {
@@ -63,7 +77,10 @@ static void find_parts(fray_share *s) {
 }
 
 void share_order(fray_share *s) {
-  if (s->block_count != 0) divide(s);
+  if (s->block_count != 0) {
+    divide(s);
+    join_middles(s);
+  }
   find_parts(s);
   s->at = place_steps(s);
 }

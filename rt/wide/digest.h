@@ -6,8 +6,6 @@
 #include "rt/base/hash.h"
 
 typedef uint32_t digest_lanes __attribute__((vector_size(4 * HASH_LANES)));
-typedef int32_t digest_words __attribute__((vector_size(4 * HASH_LANES)));
-typedef int8_t digest_bytes __attribute__((vector_size(HASH_LANES)));
 
 static inline void digest_load(void *to, const void *from, size_t bytes) {
   __builtin_memcpy(to, from, bytes);
@@ -40,10 +38,11 @@ static inline uint32_t digest_of_bytes(hash h[3], const int8_t *const bytes[3], 
   for (int a = 0; a < 3; ++a) digest_load(&lane[a], h[a].lane, sizeof lane[a]);
   for (; n + HASH_LANES <= count; n += HASH_LANES)
     for (int a = 0; a < 3; ++a) {
-      digest_bytes eight;
-      digest_load(&eight, bytes[a] + n, sizeof eight);
-      lane[a] =
-          digest_step(lane[a], (digest_lanes)__builtin_convertvector(eight, digest_words));
+      int32_t eight[HASH_LANES];
+      digest_lanes word;
+      for (int k = 0; k < HASH_LANES; ++k) eight[k] = bytes[a][n + (uint32_t)k];
+      digest_load(&word, eight, sizeof word);
+      lane[a] = digest_step(lane[a], word);
     }
   for (int a = 0; a < 3; ++a) digest_load(h[a].lane, &lane[a], sizeof lane[a]);
   return n;

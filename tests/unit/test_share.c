@@ -366,7 +366,7 @@ static void check_plan(const fixture *f, uint32_t workers) {
   fixture_copy(&s.f, f);
   share_open(&s, workers);
   const fray_share *share = s.share;
-  CHECK(share->block_count >= 4 && share->passes * share->block_count <= CLOCKS_MAX);
+  CHECK(share->block_count >= 3 && share->passes * share->block_count <= CLOCKS_MAX);
   CHECK(fray_share_holds(share));
   uint8_t *touched = find_touched(share);
   find_tasks(&s, tasks);
