@@ -211,7 +211,31 @@ static inline int32_t fx_add_saturated(int32_t a, int32_t b) {
 #endif
 }
 
-/* n / d for d > 0, saturated to 32 bits: two digits of 16 bits, each estimated from the upper half
+#if FX_NO_LONG_MULTIPLY
+/* One bit of a quotient takes the place of the bit of n that is used up. */
+FX_WRAPS static inline void fx_divide_bit(uint32_t *rest, uint32_t *low, uint32_t d) {
+  *rest = *rest << 1 | *low >> 31;
+  *low <<= 1;
+  if (*rest < d) return;
+  *rest -= d;
+  ++*low;
+}
+
+/* n / d for d in 1..2^31, saturated to 32 bits: bit by bit, for cores that cannot divide at all. */
+FX_WRAPS static inline uint32_t fx_divide_wide(uint64_t n, uint32_t d) {
+  uint32_t rest = (uint32_t)(n >> 32);
+  uint32_t low = (uint32_t)n;
+  if (rest >= d) return UINT32_MAX;
+  for (unsigned four = 0; four < 8; ++four) {
+    fx_divide_bit(&rest, &low, d);
+    fx_divide_bit(&rest, &low, d);
+    fx_divide_bit(&rest, &low, d);
+    fx_divide_bit(&rest, &low, d);
+  }
+  return low;
+}
+#else
+/* n / d for d in 1..2^31, saturated to 32 bits: two digits of 16 bits, each estimated from the upper half
  * of the divisor, which is at most two too many. */
 FX_WRAPS static inline uint32_t fx_divide_wide(uint64_t n, uint32_t d) {
   if ((uint32_t)(n >> 32) >= d) return UINT32_MAX;
@@ -235,6 +259,7 @@ FX_WRAPS static inline uint32_t fx_divide_wide(uint64_t n, uint32_t d) {
   }
   return quotient;
 }
+#endif
 
 static inline unsigned fx_leading_zeros64(uint64_t v) { return (unsigned)__builtin_clzll(v); }
 

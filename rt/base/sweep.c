@@ -258,9 +258,8 @@ __attribute__((noinline)) static int32_t seek(search *s, int32_t clear) {
   const int32_t margin = s->margin;
   uint32_t count = s->count;
   uint32_t halvings = s->halvings;
-  piece p;
   while (count > 0) {
-    p = s->waiting[--count];
+    piece p = s->waiting[--count];
     while (p.first + p.width >= clear && side_of(p.c, margin) == 0) {
       const int outside = p.c[0] > margin || p.c[0] < -margin;
       if (p.width == SHORTEST || halvings == 0 || (p.first >= clear && !outside)) {

@@ -27,7 +27,6 @@ void cut_run(fray_world *w);  /* cuts them and releases what hung on them */
  * order do what its run does to the whole. */
 void damp_whole(fray_world *w); /* what differs from the sheet's own motion */
 void damp_part(fray_world *w, uint32_t first, uint32_t end); /* particles: drag */
-/* Of batch b what falls to `part` of so many, at most FRAY_WORKERS_MAX; or all of several batches. */
 void springs_part(fray_world *w, uint32_t b, uint32_t first, uint32_t end); /* rows of batch b */
 void predict_begin(fray_world *w, uint32_t substep);                          /* gravity, bodies */
 void predict_held(fray_world *w);

@@ -185,7 +185,7 @@ static void roots_are_those_of_64_bits(void) {
 static void quotients_are_those_of_a_division(void) {
   uint32_t different = 0;
   for (uint32_t n = 0; n < 2000000u; ++n) {
-    const uint32_t d = ((uint32_t)(next(&seed) >> 32) >> (next(&seed) & 31u)) | 1u;
+    const uint32_t d = ((uint32_t)(next(&seed) >> 33) >> (next(&seed) & 31u)) + 1u;
     uint64_t v = next(&seed) >> (next(&seed) & 63u);
     if (n % 3u == 0) v = (uint64_t)d * (uint32_t)next(&seed) + (n % 2u == 0 ? d - 1u : 0u);
     const uint64_t q = v / d;
@@ -193,7 +193,8 @@ static void quotients_are_those_of_a_division(void) {
   }
   CHECK_EQ_INT(different, 0);
   CHECK(fx_divide_wide(UINT64_MAX, 1) == UINT32_MAX);
-  CHECK_EQ_INT(fx_divide_wide(0, UINT32_MAX), 0);
+  CHECK_EQ_INT(fx_divide_wide(0, 0x80000000u), 0);
+  CHECK(fx_divide_wide(((uint64_t)1 << 63) - 1u, 0x80000000u) == UINT32_MAX);
 }
 
 static void narrow_forms_are_the_plain_ones(void) {

@@ -382,9 +382,12 @@ static void name_loop(function *f, loop *l, int which) {
 
 static long measure(function *f);
 
+/* Compilers call what they made of a function NAME.isra.0 and the like. */
 static rule *counted_function(const function *f) {
+  const size_t length = strcspn(f->name, ".");
   for (int n = 0; n < rule_count; ++n)
-    if (rules[n].text[0] == 0 && rules[n].cost < 0 && strcmp(rules[n].owner, f->name) == 0)
+    if (rules[n].text[0] == 0 && rules[n].cost < 0 && strlen(rules[n].owner) == length &&
+        strncmp(rules[n].owner, f->name, length) == 0)
       return &rules[n];
   return NULL;
 }

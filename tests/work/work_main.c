@@ -110,15 +110,21 @@ static void make_storm(fray_world *w, uint32_t n) {
   }
 }
 
+/* In the tick in which every hand is armed all of them are looked up and divided by. */
+static void arm_hands(fray_world *w) {
+  for (uint32_t h = 0; h < FRAY_HANDS; ++h) w->state->hand[h].good = w->params->arm_poses;
+}
+
 static int storms(const cross_case *c) {
-  static const fray_input nothing;
+  static const fray_input start = {.has_pose = 3, .verb = FRAY_VERB_START};
   int good = 1;
   for (uint32_t n = 0; good && n < STORMS; ++n) {
     fray_world *w = open_case(c);
     good = w != 0;
     if (good && w->params->bodies == 0) return 1;
     if (good) make_storm(w, n);
-    good = good && one_tick("storm", c, w, n, &nothing);
+    if (good) arm_hands(w);
+    good = good && one_tick("storm", c, w, n, &start);
   }
   return good;
 }
