@@ -8,6 +8,14 @@
 #include "rt/wide/project.h"
 #include "rt/wide/push.h"
 
+#ifdef LANES_RULE_NOTHING_OUT
+#define near_any wide_maybe
+#define near_any_above wide_maybe
+#else
+#define near_any reach_any
+#define near_any_above reach_any_above
+#endif
+
 #define WIDE_DEFINE(set, name, parameters, arguments, scalar, wide) \
   uint32_t wide_##name##_##set parameters { return wide arguments; }
 

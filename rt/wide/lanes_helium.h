@@ -8,6 +8,7 @@
 #include "rt/model/rows.h"
 
 enum { LANES = 4, LANES_ALL = 15 };
+#define LANES_RULE_NOTHING_OUT /* bodies near by: a pass of plain code finds them in less */
 #define LANES_RUNS 1 /* at most so many runs are stitched */
 #define LANES_UNROLLED _Pragma("GCC unroll 3") /* or small arrays stay in memory */
 typedef int32x4_t lanes;

@@ -29,11 +29,11 @@
   X(set, near_box,                                                                               \
     (const reach *g, const int32_t *x, const int32_t *y, const int32_t *z, const int32_t *vx,    \
      const int32_t *vy, const int32_t *vz, uint32_t first, uint32_t end),                        \
-    (g, x, y, z, vx, vy, vz, first, end), wide_maybe, reach_any)                                 \
+    (g, x, y, z, vx, vy, vz, first, end), wide_maybe, near_any)                                  \
   X(set, near_plane,                                                                             \
     (const reach *g, const int32_t *x, const int32_t *y, const int32_t *z, const int32_t *vx,    \
      const int32_t *vy, const int32_t *vz, uint32_t first, uint32_t end),                        \
-    (g, x, y, z, vx, vy, vz, first, end), wide_maybe, reach_any_above)                           \
+    (g, x, y, z, vx, vy, vz, first, end), wide_maybe, near_any_above)                            \
   X(set, hash_words, (hash * h, const int32_t *const *words, uint32_t count), (h, words, count), \
     wide_none, digest_of_words)                                                                  \
   X(set, hash_bytes, (hash * h, const int8_t *const *bytes, uint32_t count), (h, bytes, count),  \

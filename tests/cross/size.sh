@@ -9,13 +9,13 @@
 
 work=$FRAY_BUILD/size
 measured=$work/measured.txt
-folders="base wire model stage run"
+folders="base wire model wide stage run share"
 sheets="8x8 16x16 24x24 80x40"
 stack_max=2048 # stack.sh holds it
 mkdir -p "$work"
 : >"$measured"
 
-code_row() { printf '  %-10s %7s %7s %7s %7s %7s %8s %5s %5s\n' "$@"; }
+code_row() { printf '  %-10s %7s %7s %7s %7s %7s %7s %7s %8s %5s %5s\n' "$@"; }
 
 compile() { # NAME OPT CC FLAGS...
   folder=$work/$1$2
