@@ -38,7 +38,7 @@ uint32_t fray_share_useful(const fray_world *w, uint32_t workers_max) {
 }
 
 /* The parts first: they want whole lines. */
-static fray_share *carve(const fray_world *w, uint32_t workers, arena *a) {
+static fray_share *carve_share(const fray_world *w, uint32_t workers, arena *a) {
   share_part *parts = (share_part *)arena_take(a, workers, sizeof *parts);
   fray_share *s = (fray_share *)arena_take(a, 1, sizeof *s);
   void *scratch = arena_take(a, 1, plan_scratch_bytes(w));
@@ -53,7 +53,7 @@ static fray_share *carve(const fray_world *w, uint32_t workers, arena *a) {
 
 size_t fray_share_bytes(const fray_world *w, uint32_t workers) {
   arena dry = {NULL, 0, 0};
-  (void)carve(w, workers, &dry);
+  (void)carve_share(w, workers, &dry);
   return dry.used;
 }
 
@@ -62,7 +62,7 @@ fray_share *fray_share_open(fray_world *w, uint32_t workers, void *memory, size_
       workers == 0 || workers > FRAY_WORKERS_MAX || memory_bytes < fray_share_bytes(w, workers))
     return NULL;
   arena a = {(uint8_t *)memory, memory_bytes, 0};
-  fray_share *s = carve(w, workers, &a);
+  fray_share *s = carve_share(w, workers, &a);
   s->world = w;
   s->workers = workers;
   s->passes = (uint32_t)w->params->substeps * (uint32_t)w->params->sweeps;
