@@ -25,8 +25,6 @@ LANES_INLINE lanes lanes_asr(lanes v, unsigned s) { return _mm256_sra_epi32(v, _
 LANES_INLINE lanes lanes_shl(lanes v, unsigned s) { return _mm256_sll_epi32(v, _mm_cvtsi32_si128((int)s)); }
 LANES_INLINE lanes lanes_asr_by(lanes v, lanes s) { return _mm256_srav_epi32(v, s); }
 LANES_INLINE lanes lanes_shl_by(lanes v, lanes s) { return _mm256_sllv_epi32(v, s); }
-LANES_INLINE lanes lanes_and(lanes a, lanes b) { return _mm256_and_si256(a, b); }
-LANES_INLINE lanes lanes_xor(lanes a, lanes b) { return _mm256_xor_si256(a, b); }
 LANES_INLINE lane_mask lanes_above(lanes a, lanes b) { return _mm256_cmpgt_epi32(a, b); }
 LANES_INLINE lanes lanes_sign(lanes v) { return _mm256_srai_epi32(v, 31); }
 LANES_INLINE lane_mask lanes_below_zero(lanes v) { return _mm256_srai_epi32(v, 31); }
@@ -90,7 +88,6 @@ LANES_INLINE int lanes_all_equal(lanes v, uint32_t to) {
   const __m256i other = _mm256_xor_si256(v, _mm256_set1_epi32((int32_t)to));
   return _mm256_testz_si256(other, other);
 }
-LANES_INLINE lane_mask lanes_equal(lanes a, lanes b) { return _mm256_cmpeq_epi32(a, b); }
 LANES_INLINE lane_mask lanes_differ(lanes a, lanes b) {
   return _mm256_xor_si256(_mm256_cmpeq_epi32(a, b), _mm256_set1_epi32(-1));
 }

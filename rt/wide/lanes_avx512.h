@@ -25,8 +25,6 @@ LANES_INLINE lanes lanes_asr(lanes v, unsigned s) { return _mm512_sra_epi32(v, _
 LANES_INLINE lanes lanes_shl(lanes v, unsigned s) { return _mm512_sll_epi32(v, _mm_cvtsi32_si128((int)s)); }
 LANES_INLINE lanes lanes_asr_by(lanes v, lanes s) { return _mm512_srav_epi32(v, s); }
 LANES_INLINE lanes lanes_shl_by(lanes v, lanes s) { return _mm512_sllv_epi32(v, s); }
-LANES_INLINE lanes lanes_and(lanes a, lanes b) { return _mm512_and_si512(a, b); }
-LANES_INLINE lanes lanes_xor(lanes a, lanes b) { return _mm512_xor_si512(a, b); }
 LANES_INLINE lane_mask lanes_above(lanes a, lanes b) { return _mm512_cmpgt_epi32_mask(a, b); }
 LANES_INLINE lanes lanes_sign(lanes v) { return _mm512_srai_epi32(v, 31); }
 LANES_INLINE lane_mask lanes_below_zero(lanes v) { return _mm512_movepi32_mask(v); }
@@ -81,7 +79,6 @@ LANES_INLINE lanes lanes_load_kinds(const uint8_t *from) {
 LANES_INLINE int lanes_all_equal(lanes v, uint32_t to) {
   return _mm512_cmpneq_epi32_mask(v, _mm512_set1_epi32((int32_t)to)) == 0;
 }
-LANES_INLINE lane_mask lanes_equal(lanes a, lanes b) { return _mm512_cmpeq_epi32_mask(a, b); }
 LANES_INLINE lane_mask lanes_differ(lanes a, lanes b) { return _mm512_cmpneq_epi32_mask(a, b); }
 LANES_INLINE uint32_t lanes_bits(lane_mask m) { return m; }
 LANES_INLINE lanes lanes_load_ids_part(const row_id *from, uint32_t count) {

@@ -31,14 +31,11 @@ LANES_INLINE lanes lanes_asr(lanes v, unsigned s) { return vshlq_r_s32(v, -(int3
 LANES_INLINE lanes lanes_shl(lanes v, unsigned s) { return vshlq_r_s32(v, (int32_t)s); }
 LANES_INLINE lanes lanes_asr_by(lanes v, lanes s) { return vshlq_s32(v, vnegq_s32(s)); }
 LANES_INLINE lanes lanes_shl_by(lanes v, lanes s) { return vshlq_s32(v, s); }
-LANES_INLINE lanes lanes_and(lanes a, lanes b) { return vandq_s32(a, b); }
-LANES_INLINE lanes lanes_xor(lanes a, lanes b) { return veorq_s32(a, b); }
 LANES_INLINE lane_mask lanes_above(lanes a, lanes b) { return vcmpgtq_s32(a, b); }
 LANES_INLINE lanes lanes_sign(lanes v) { return vshrq_n_s32(v, 31); }
 LANES_INLINE lane_mask lanes_below_zero(lanes v) { return vcmpltq_n_s32(v, 0); }
 LANES_INLINE lanes lanes_pick(lane_mask m, lanes yes, lanes no) { return vpselq_s32(yes, no, m); }
 LANES_INLINE lanes lanes_keep(lane_mask m, lanes v) { return vpselq_s32(v, vdupq_n_s32(0), m); }
-LANES_INLINE lane_mask lanes_equal(lanes a, lanes b) { return vcmpeqq_s32(a, b); }
 
 LANES_INLINE lane_mask lanes_first(uint32_t count) { return vctp32q(count); }
 LANES_INLINE uint32_t lanes_bits(lane_mask m) {

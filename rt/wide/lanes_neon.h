@@ -30,8 +30,6 @@ LANES_INLINE lanes lanes_asr(lanes v, unsigned s) { return vshlq_s32(v, vdupq_n_
 LANES_INLINE lanes lanes_shl(lanes v, unsigned s) { return vshlq_s32(v, vdupq_n_s32((int32_t)s)); }
 LANES_INLINE lanes lanes_asr_by(lanes v, lanes s) { return vshlq_s32(v, vnegq_s32(s)); }
 LANES_INLINE lanes lanes_shl_by(lanes v, lanes s) { return vshlq_s32(v, s); }
-LANES_INLINE lanes lanes_and(lanes a, lanes b) { return vandq_s32(a, b); }
-LANES_INLINE lanes lanes_xor(lanes a, lanes b) { return veorq_s32(a, b); }
 LANES_INLINE lane_mask lanes_above(lanes a, lanes b) { return lanes_signed(vcgtq_s32(a, b)); }
 LANES_INLINE lanes lanes_sign(lanes v) { return vshrq_n_s32(v, 31); }
 LANES_INLINE lane_mask lanes_below_zero(lanes v) { return vshrq_n_s32(v, 31); }
@@ -39,7 +37,6 @@ LANES_INLINE lanes lanes_pick(lane_mask m, lanes yes, lanes no) {
   return vbslq_s32(lanes_bare(m), yes, no);
 }
 LANES_INLINE lanes lanes_keep(lane_mask m, lanes v) { return vandq_s32(m, v); }
-LANES_INLINE lane_mask lanes_equal(lanes a, lanes b) { return lanes_signed(vceqq_s32(a, b)); }
 
 LANES_INLINE lanes lanes_weights(void) {
   static const int32_t weights[LANES] = {1, 2, 4, 8};
@@ -51,7 +48,7 @@ LANES_INLINE lane_mask lanes_first(uint32_t count) {
 LANES_INLINE uint32_t lanes_bits(lane_mask m) {
   return (uint32_t)vaddvq_s32(vandq_s32(m, lanes_weights()));
 }
-LANES_INLINE lane_mask lanes_differ(lanes a, lanes b) { return vmvnq_s32(lanes_equal(a, b)); }
+LANES_INLINE lane_mask lanes_differ(lanes a, lanes b) { return vmvnq_s32(vreinterpretq_s32_u32(vceqq_s32(a, b))); }
 /* Whether the ids are first, first + 1, ... */
 LANES_INLINE int lanes_count_up(lanes ids, row_id first) {
   static const int32_t numbers[LANES] = {0, 1, 2, 3};
