@@ -63,8 +63,8 @@ typedef struct {
 static inline spring_class spring_class_make(int32_t rest, int32_t mantissa, int32_t shift,
                                              int32_t compression_only) {
   int32_t down = 1;
-  while (fx_round(rest, (unsigned)down) > SPRING_UNITS_MAX) ++down;
-  const int32_t r = fx_round(rest, (unsigned)down);
+  int32_t r = fx_round(rest, 1);
+  while (r > SPRING_UNITS_MAX) r = fx_round(rest, (unsigned)++down);
   const int32_t scale = shift - down - 6;
   const spring_class c = {rest,
                           scale > 30 ? 0 : mantissa,

@@ -23,22 +23,20 @@ LANES_INLINE lanes project_factor(lanes n, const pairs *p, const link_class *c,
   return lanes_pick(lanes_below_zero(u), lanes_asr(lanes_mul(f, push), 12), f);
 }
 
+/* The upper part of a way, within what a product takes. */
+LANES_INLINE lanes project_upper(lanes way, const link_words *k) {
+  const lanes rounded = lanes_round_with(way, lanes_word(&k->way_half), LINK_SHIFT);
+  return lanes_max(lanes_min(rounded, lanes_word(&k->hi_most)), lanes_word(&k->hi_least));
+}
+
 LANES_INLINE void project_pairs(const void *view, const pairs *p) {
   const link_view *s = (const link_view *)view;
   const link_words *k = &wide_link_words;
   int32_t *const at[3] = {s->x, s->y, s->z};
-  lanes i[3];
-  lanes j[3];
-  lanes d[3];
-  lanes hi[3];
-  LANES_UNROLLED
-  for (int n = 0; n < 3; ++n) {
-    i[n] = pairs_fetch_i(p, at[n]);
-    j[n] = pairs_fetch_j(p, at[n]);
-    d[n] = lanes_sub(j[n], i[n]);
-    const lanes rounded = lanes_round_with(d[n], lanes_word(&k->way_half), LINK_SHIFT);
-    hi[n] = lanes_max(lanes_min(rounded, lanes_word(&k->hi_most)), lanes_word(&k->hi_least));
-  }
+  const lanes i[3] = {pairs_fetch_i(p, s->x), pairs_fetch_i(p, s->y), pairs_fetch_i(p, s->z)};
+  const lanes j[3] = {pairs_fetch_j(p, s->x), pairs_fetch_j(p, s->y), pairs_fetch_j(p, s->z)};
+  const lanes d[3] = {lanes_sub(j[0], i[0]), lanes_sub(j[1], i[1]), lanes_sub(j[2], i[2])};
+  const lanes hi[3] = {project_upper(d[0], k), project_upper(d[1], k), project_upper(d[2], k)};
   const lanes n_hi = lanes_dot(hi, hi);
   const lanes cross = lanes_sub(lanes_dot(hi, d), lanes_shl(n_hi, LINK_SHIFT));
   const lanes n_max = pairs_class(p, &s->classes->n_max, LINK_CLASS_WORDS);

@@ -31,20 +31,20 @@ LANES_INLINE lanes push_round_by(lanes v, lanes half, lanes s) {
 LANES_INLINE lanes push_half(lanes s) {
   return lanes_shl_by(lanes_all(1), lanes_sub(s, lanes_all(1)));
 }
+/* From i to j in a row's own units. */
+LANES_INLINE lanes push_way(const pairs *p, const int32_t *at, lanes half, lanes down) {
+  const lanes way = lanes_sub(pairs_fetch_j(p, at), pairs_fetch_i(p, at));
+  return lanes_clamp(push_round_by(way, half, down), SPRING_HI_MAX);
+}
 
 LANES_INLINE void push_pairs(const void *view, const pairs *p) {
   const spring_view *s = (const spring_view *)view;
   const spring_class *c = s->classes;
-  const int32_t *const at[3] = {s->x, s->y, s->z};
   int32_t *const speed[3] = {s->vx, s->vy, s->vz};
   const lanes down = pairs_class(p, &c->down, SPRING_CLASS_WORDS);
   const lanes down_half = push_half(down);
-  lanes d[3];
-  LANES_UNROLLED
-  for (int a = 0; a < 3; ++a) {
-    const lanes way = lanes_sub(pairs_fetch_j(p, at[a]), pairs_fetch_i(p, at[a]));
-    d[a] = lanes_clamp(push_round_by(way, down_half, down), SPRING_HI_MAX);
-  }
+  const lanes d[3] = {push_way(p, s->x, down_half, down), push_way(p, s->y, down_half, down),
+                      push_way(p, s->z, down_half, down)};
   const lanes n = lanes_dot(d, d);
   const lane_mask acts = lanes_above(pairs_class(p, &c->idle, SPRING_CLASS_WORDS), n);
   if (lanes_bits(acts) == 0) return;

@@ -2,9 +2,9 @@
 /* The whole of it for a stack bound: runtime, wire, loop, start-up and a board whose bus is in flash.
  * On the painted stack every case goes through the loop with whatever calls deep: poses, commands, a
  * flood of frames, a lost bus, RESET and START after it, tears, contacts, a save and an open every
- * SAVE_EVERY ticks. Prints for each case
+ * SAVE_EVERY ticks; the first case once more under a key. Prints for each
  *
- *   case NAME ticks N state S cuts N lost N resets N refused N
+ *   case NAME ticks N state S cuts N lost N resets N refused N [tags N]
  *
  * and last `stack BYTES`: what was touched of it, from its top. */
 #include "platform/bare/bare.h"
@@ -17,7 +17,7 @@
 #define FIRMWARE_MEMORY 24576
 #endif
 #ifndef FIRMWARE_SAVES
-#define FIRMWARE_SAVES 2 /* buffers; none on the smallest */
+#define FIRMWARE_SAVES 2 /* buffers; none on the smallest, and no room for a key */
 #endif
 enum {
   MEMORY = FIRMWARE_MEMORY,
@@ -61,12 +61,41 @@ static void say(port *p, uint8_t verb) {
   if (verb == FRAY_VERB_RESET) ++board.resets;
 }
 
+#if FIRMWARE_SAVES > 0
+static struct {
+  cmac_key key;
+  guard runtime;
+  guard device;
+} tags;
+
+static void tags_begin(void) {
+  static const uint8_t key[CMAC_KEY] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16};
+  const uint32_t hands = (1u << FRAY_HANDS) - 1u;
+  cmac_key_init(&tags.key, key);
+  guard_init(&tags.runtime, &tags.key, GUARD_CLASSIC, GUARD_RUNTIME, 0, hands);
+  guard_init(&tags.device, &tags.key, GUARD_CLASSIC, GUARD_DEVICE, 0, hands);
+  loop_protect(&running, &tags.runtime);
+}
+
+static void say_tag(port *p, const frame *pose) {
+  frame tag;
+  if (p->guard != 0 && guard_tag(&tags.device, pose, &tag)) port_push(p, &tag);
+}
+#else
+static void tags_begin(void) {}
+static void say_tag(port *p, const frame *pose) {
+  (void)p;
+  (void)pose;
+}
+#endif
+
 static void say_poses(port *p, const fray_input *input) {
   frame f;
   for (uint32_t h = 0; h < FRAY_HANDS; ++h) {
     if ((input->has_pose & 1u << h) == 0) continue;
     codec_encode_pose(&f, 0, h, &input->pose[h]);
     port_push(p, &f);
+    say_tag(p, &f);
   }
 }
 
@@ -139,12 +168,13 @@ static uint32_t refusals(void) { return 0; }
 static fray_world *save_and_open(fray_world *world) { return world; }
 #endif
 
-static int run_case(const cross_case *c) {
+static int run_case(const cross_case *c, int under_key) {
   fray_world *world = open_world(c->image, c->image_bytes, 0);
   if (world == 0) return 0;
   board.now = c;
   board.tick = board.losses = board.resets = 0;
   loop_begin(&running, world, 0);
+  if (under_key) tags_begin();
   while (loop_run(&running) != LOOP_STOPPED) {
     if (board.tick % SAVE_EVERY != SAVE_EVERY - 1u) continue;
     running.world = save_and_open(running.world);
@@ -158,6 +188,7 @@ static int run_case(const cross_case *c) {
   print_number(" lost ", running.bus_losses);
   print_number(" resets ", board.resets);
   print_number(" refused ", refusals());
+  if (running.in.guard != 0) print_number(" tags ", running.in.guard->watch[0].good);
   platform_print("\n");
   return 1;
 }
@@ -165,7 +196,8 @@ static int run_case(const cross_case *c) {
 int main(void) {
   int good = 1;
   tick_begin(TARGET_CLOCK_HZ, 1000);
-  for (uint32_t n = 0; n < cross_case_count; ++n) good = run_case(&cross_cases[n]) && good;
+  for (uint32_t n = 0; n < cross_case_count; ++n) good = run_case(&cross_cases[n], 0) && good;
+  if (FIRMWARE_SAVES > 0) good = run_case(&cross_cases[0], 1) && good;
   print_number("stack ", bare_stack_used());
   platform_print("\n");
   return good ? 0 : 1;
