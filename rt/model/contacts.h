@@ -5,11 +5,13 @@
 
 #include "rt/base/vec.h"
 
+enum { CONTACT_APART, CONTACT_TOUCHES, CONTACT_LEVEL /* its normal is (0, 1, 0) and stands nowhere */ };
+
 typedef struct {
   uint32_t particle;
   uint16_t body;
   uint16_t touching; /* in this substep */
-  vec3 normal;       /* Q30, from the body; valid while touching */
+  vec3 normal;       /* Q30, from the body; valid for CONTACT_TOUCHES */
 } contact;
 
 #endif

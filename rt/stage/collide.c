@@ -167,24 +167,43 @@ static int32_t move_within(fray_world *w, int32_t *at, int32_t by) {
   return *at - before;
 }
 
-static void resolve(fray_world *w, contact *c) {
+/* A body as its contacts meet it in a substep. */
+typedef struct {
+  const body *shape;
+  vec3 at, moved;
+  uint64_t touch; /* squared: a ball that is not nearer is apart */
+  int32_t skin;
+  int level;      /* a plane that faces up: its normal is (0, 1, 0) */
+} encounter;
+
+static encounter encounter_with(const fray_world *w, uint32_t b) {
+  const body *s = &w->bodies[b];
+  const int32_t *at = w->body_states[b].position;
+  const encounter e = {s, vec_make(at[0], at[1], at[2]), w->motion[b].moved,
+                       s->shape == FRAY_BALL ? fx_square(s->radius + w->params->thickness) : UINT64_MAX,
+                       w->params->thickness,
+                       s->shape == FRAY_PLANE && s->axes[3] == 0 && s->axes[4] == 1 << 30 &&
+                           s->axes[5] == 0};
+  return e;
+}
+
+/* Products with (0, 1, 0) are exact: where the normal is that, they are left out. */
+static void resolve(fray_world *w, const encounter *e, contact *c, vec3 d) {
   const uint32_t p = c->particle;
-  const body *s = &w->bodies[c->body];
-  const int32_t *at = w->body_states[c->body].position;
-  const vec3 d = vec_sub(world_position(w, p), vec_make(at[0], at[1], at[2]));
-  const int32_t depth = depth_in(s, d, w->params->thickness, &c->normal);
-  c->touching = depth > 0;
+  const int32_t depth = e->level ? (int32_t)fx_clamp64((int64_t)e->skin - d.y, 0, INT32_MAX)
+                                 : depth_in(e->shape, d, e->skin, &c->normal);
   if (depth <= 0) return;
-  const vec3 out = vec_scale_unit(c->normal, depth);
+  c->touching = e->level ? CONTACT_LEVEL : CONTACT_TOUCHES;
+  const vec3 out = e->level ? vec_make(0, depth, 0) : vec_scale_unit(c->normal, depth);
   /* what the particle moved in this substep against the body: step, projections, this push */
-  const vec3 step = vec_make((int32_t)fx_round64(w->vx[p], FX_SUB_BITS),
-                             (int32_t)fx_round64(w->vy[p], FX_SUB_BITS),
-                             (int32_t)fx_round64(w->vz[p], FX_SUB_BITS));
+  const vec3 step = vec_make(fx_round(w->vx[p], FX_SUB_BITS), fx_round(w->vy[p], FX_SUB_BITS),
+                             fx_round(w->vz[p], FX_SUB_BITS));
   const vec3 since = vec_sub(world_position(w, p), vec_make(w->qx[p], w->qy[p], w->qz[p]));
-  const vec3 moved = vec_sub(vec_add(vec_add(step, since), out), w->motion[c->body].moved);
-  const vec3 slip = vec_sub(moved, vec_scale_unit(c->normal, vec_dot_unit(moved, c->normal)));
-  const int32_t limit = fx_saturate(fx_mul_wide(depth, s->friction) >> 16);
-  const vec3 wanted = vec_sub(out, friction(slip, limit));
+  const vec3 moved = vec_sub(vec_add(vec_add(step, since), out), e->moved);
+  const vec3 along = e->level ? vec_make(0, fx_max(moved.y, -INT32_MAX), 0)
+                              : vec_scale_unit(c->normal, vec_dot_unit(moved, c->normal));
+  const int32_t limit = fx_saturate(fx_mul_wide(depth, e->shape->friction) >> 16);
+  const vec3 wanted = vec_sub(out, friction(vec_sub(moved, along), limit));
   const vec3 push = vec_make(move_within(w, &w->x[p], wanted.x), move_within(w, &w->y[p], wanted.y),
                              move_within(w, &w->z[p], wanted.z));
   body_gave(&w->motion[c->body], (int64_t)push.x * (1 << FX_SUB_BITS),
@@ -216,8 +235,24 @@ static void rest_on_planes(fray_world *w, uint32_t b) {
   }
 }
 
+/* Contacts of one body. */
+static void meet(fray_world *w, const encounter *e, uint32_t first, uint32_t end) {
+  for (uint32_t n = first; n < end; ++n) {
+    contact *c = &w->contacts[n];
+    const uint32_t p = c->particle;
+    c->touching = CONTACT_APART;
+    const vec3 d = vec_sub(world_position(w, p), e->at);
+    if (e->level ? d.y < e->skin : vec_squared(d) < e->touch) resolve(w, e, c, d);
+  }
+}
+
 void collide_part(fray_world *w, uint32_t first, uint32_t end) {
-  for (uint32_t n = first; n < end; ++n) resolve(w, &w->contacts[n]);
+  for (uint32_t n = first; n < end;) {
+    const encounter e = encounter_with(w, w->contacts[n].body);
+    const uint32_t begun = n;
+    while (n < end && w->contacts[n].body == w->contacts[begun].body) ++n;
+    meet(w, &e, begun, n);
+  }
   w->work.contacts += end - first;
 }
 

@@ -24,6 +24,15 @@ static void settle_contact(fray_world *w, const contact *c) {
   body_gave(&w->motion[c->body], -(int64_t)lost.x, -(int64_t)lost.y, -(int64_t)lost.z);
 }
 
+/* The same where the normal is (0, 1, 0). */
+static void settle_level(fray_world *w, const contact *c) {
+  const uint32_t p = c->particle;
+  const int32_t speed = fx_saturate((int64_t)w->vy[p] - w->body_states[c->body].velocity[1]);
+  if (speed <= 0) return;
+  w->vy[p] = slowed(w->vy[p], speed);
+  body_gave(&w->motion[c->body], 0, -(int64_t)speed, 0);
+}
+
 /* A free body gets the opposite of what the cloth gained from it since the last substep. */
 static void push_body(fray_world *w, uint32_t b) {
   body_motion *m = &w->motion[b];
@@ -46,8 +55,13 @@ void finish_part(fray_world *w, uint32_t first, uint32_t end) {
 }
 
 void finish_contacts(fray_world *w, uint32_t first, uint32_t end) {
-  for (uint32_t n = first; n < end; ++n)
-    if (w->contacts[n].touching != 0) settle_contact(w, &w->contacts[n]);
+  for (uint32_t n = first; n < end; ++n) {
+    const contact *c = &w->contacts[n];
+    if (c->touching == CONTACT_LEVEL)
+      settle_level(w, c);
+    else if (c->touching != 0)
+      settle_contact(w, c);
+  }
 }
 
 void finish_run(fray_world *w) {
