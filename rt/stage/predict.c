@@ -49,20 +49,38 @@ static void fly_body(fray_world *w, uint32_t b) {
   w->motion[b].moved = vec_make(moved[0], moved[1], moved[2]);
 }
 
-static int32_t carried(int32_t centre, int32_t grip) {
-  return fx_clamp(fx_add(centre, grip), -FX_WORLD_MAX, FX_WORLD_MAX);
+static void carry(fray_world *w, uint32_t p, const body_state *s) {
+  const int32_t *at = s->position;
+  w->x[p] = w->qx[p] = sweep_carried(at[0], w->grip_x[p]);
+  w->y[p] = w->qy[p] = sweep_carried(at[1], w->grip_y[p]);
+  w->z[p] = w->qz[p] = sweep_carried(at[2], w->grip_z[p]);
+  w->vx[p] = s->velocity[0];
+  w->vy[p] = s->velocity[1];
+  w->vz[p] = s->velocity[2];
 }
 
+static void carry_run(fray_world *w, uint32_t first, uint32_t end) {
+  const fray_kernel kernel = w->kernel;
+  const body_state *s = &w->body_states[w->grip_body[first]];
+  const int32_t *at = s->position;
+  wide_carry(kernel, w->x, w->qx, w->vx, w->grip_x, first, end, at[0], s->velocity[0]);
+  wide_carry(kernel, w->y, w->qy, w->vy, w->grip_y, first, end, at[1], s->velocity[1]);
+  wide_carry(kernel, w->z, w->qz, w->vz, w->grip_z, first, end, at[2], s->velocity[2]);
+}
+
+/* Particles that one body holds follow one another, as a rule: wide cores take them together. */
 void predict_held(fray_world *w) {
   const uint32_t held = (uint32_t)w->params->held;
-  for (uint32_t p = 0; p < held; ++p) {
-    const body_state *s = &w->body_states[w->grip_body[p]];
-    w->x[p] = w->qx[p] = carried(s->position[0], w->grip_x[p]);
-    w->y[p] = w->qy[p] = carried(s->position[1], w->grip_y[p]);
-    w->z[p] = w->qz[p] = carried(s->position[2], w->grip_z[p]);
-    w->vx[p] = s->velocity[0];
-    w->vy[p] = s->velocity[1];
-    w->vz[p] = s->velocity[2];
+  for (uint32_t p = 0; p < held;) {
+    if (FX_NARROW) {
+      carry(w, p, &w->body_states[w->grip_body[p]]);
+      ++p;
+    } else {
+      const uint32_t first = p;
+      do ++p;
+      while (p < held && w->grip_body[p] == w->grip_body[first]);
+      carry_run(w, first, p);
+    }
   }
 }
 

@@ -33,6 +33,23 @@ static inline uint32_t sweep_advance(int32_t *restrict x, int32_t *restrict q, i
   return at_edge;
 }
 
+static inline int32_t sweep_carried(int32_t centre, int32_t grip) {
+  return fx_clamp(fx_add(centre, grip), -FX_WORLD_MAX, FX_WORLD_MAX);
+}
+
+/* Particles that a body holds go with it. */
+static inline uint32_t sweep_carry(int32_t *restrict x, int32_t *restrict q, int32_t *restrict v,
+                                   const int32_t *restrict grip, uint32_t first, uint32_t end,
+                                   int32_t centre, int32_t velocity) {
+  for (uint32_t p = first; p < end; ++p) {
+    const int32_t place = sweep_carried(centre, grip[p]);
+    x[p] = place;
+    q[p] = place;
+    v[p] = velocity;
+  }
+  return end - first;
+}
+
 /* v += (x - q) * 16, never re-derived from positions: what is below a position step is kept. */
 static inline uint32_t sweep_take_over(const int32_t *restrict x, const int32_t *restrict q,
                                        int32_t *restrict v, uint32_t first, uint32_t end) {

@@ -42,6 +42,10 @@
     (int32_t * x, int32_t *q, int32_t *v, int8_t *r, uint32_t first, uint32_t end,               \
      int32_t gravity),                                                                           \
     (x, q, v, r, first, end, gravity), sweep_advance, sweep_advance)                             \
+  X(set, carry,                                                                                  \
+    (int32_t * x, int32_t *q, int32_t *v, const int32_t *grip, uint32_t first, uint32_t end,     \
+     int32_t centre, int32_t velocity),                                                          \
+    (x, q, v, grip, first, end, centre, velocity), sweep_carry, sweep_carry)                     \
   X(set, take_over,                                                                              \
     (const int32_t *x, const int32_t *q, int32_t *v, uint32_t first, uint32_t end),              \
     (x, q, v, first, end), sweep_take_over, sweep_take_over)                                     \

@@ -102,6 +102,10 @@ typedef void sweep(span *s, fray_kernel kernel, const span_arrays *a);
 static void do_advance(span *s, fray_kernel kernel, const span_arrays *a) {
   s->answer = wide_advance(kernel, a->word[0], a->word[1], a->word[3], a->byte, s->first, s->end, s->gravity);
 }
+static void do_carry(span *s, fray_kernel kernel, const span_arrays *a) {
+  wide_carry(kernel, a->word[0], a->word[1], a->word[3], a->word[2], s->first, s->end, s->near.centre[0],
+             s->gravity);
+}
 static void do_take_over(span *s, fray_kernel kernel, const span_arrays *a) {
   wide_take_over(kernel, a->word[0], a->word[1], a->word[3], s->first, s->end);
 }
@@ -186,6 +190,7 @@ static void sweep_is_as_scalar(const char *name, sweep *run) {
 }
 
 static void advance_is_as_scalar(void) { sweep_is_as_scalar("advance", do_advance); }
+static void carry_is_as_scalar(void) { sweep_is_as_scalar("carry", do_carry); }
 static void take_over_is_as_scalar(void) { sweep_is_as_scalar("take_over", do_take_over); }
 static void drag_is_as_scalar(void) { sweep_is_as_scalar("drag", do_drag); }
 static void turning_is_as_scalar(void) { sweep_is_as_scalar("turning", do_turning); }
@@ -200,6 +205,7 @@ int main(int argc, char **argv) {
   for (int n = 0; n < ARRAYS; ++n) memory_word[n] = guarded_make(4 * MOST);
   memory_byte = guarded_make(MOST);
   TEST(advance_is_as_scalar);
+  TEST(carry_is_as_scalar);
   TEST(take_over_is_as_scalar);
   TEST(drag_is_as_scalar);
   TEST(turning_is_as_scalar);
