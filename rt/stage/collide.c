@@ -235,9 +235,21 @@ static void rest_on_planes(fray_world *w, uint32_t b) {
   }
 }
 
+static uint32_t meet_level(fray_world *w, const encounter *e, uint32_t b, uint32_t first, uint32_t end) {
+  level_view v = {{w->x, w->y, w->z}, {w->vx, w->vy, w->vz}, {w->qx, w->qy, w->qz}, w->contacts,
+                  e->moved, e->at.y, e->skin, e->shape->friction, {0, 0, 0}, 0};
+  const uint32_t taken = wide_level(w->kernel, &v, first, end);
+  if (taken == 0) return 0;
+  if (v.held_back != 0) w->state->faults |= (int32_t)FRAY_FAULT_LEFT_WORLD;
+  body_gave(&w->motion[b], v.pushed[0] * (1 << FX_SUB_BITS), v.pushed[1] * (1 << FX_SUB_BITS),
+            v.pushed[2] * (1 << FX_SUB_BITS));
+  return taken;
+}
+
 /* Contacts of one body. */
-static void meet(fray_world *w, const encounter *e, uint32_t first, uint32_t end) {
-  for (uint32_t n = first; n < end; ++n) {
+static void meet(fray_world *w, const encounter *e, uint32_t b, uint32_t first, uint32_t end) {
+  const uint32_t taken = e->level ? meet_level(w, e, b, first, end) : 0;
+  for (uint32_t n = first + taken; n < end; ++n) {
     contact *c = &w->contacts[n];
     const uint32_t p = c->particle;
     c->touching = CONTACT_APART;
@@ -248,10 +260,11 @@ static void meet(fray_world *w, const encounter *e, uint32_t first, uint32_t end
 
 void collide_part(fray_world *w, uint32_t first, uint32_t end) {
   for (uint32_t n = first; n < end;) {
-    const encounter e = encounter_with(w, w->contacts[n].body);
+    const uint32_t b = w->contacts[n].body;
     const uint32_t begun = n;
-    while (n < end && w->contacts[n].body == w->contacts[begun].body) ++n;
-    meet(w, &e, begun, n);
+    const encounter e = encounter_with(w, b);
+    while (n < end && w->contacts[n].body == b) ++n;
+    meet(w, &e, b, begun, n);
   }
   w->work.contacts += end - first;
 }

@@ -4,6 +4,7 @@
 #define FRAY_WIDE_KERNELS_H
 
 #include "rt/wide/digest.h"
+#include "rt/wide/lift.h"
 #include "rt/wide/over.h"
 #include "rt/wide/project.h"
 #include "rt/wide/push.h"

@@ -8,6 +8,7 @@
 
 #include "rt/base/hash.h"
 #include "rt/fray.h"
+#include "rt/wide/level.h"
 #include "rt/wide/link.h"
 #include "rt/wide/reach.h"
 #include "rt/wide/spring.h"
@@ -34,6 +35,9 @@
     (const reach *g, const int32_t *x, const int32_t *y, const int32_t *z, const int32_t *vx,    \
      const int32_t *vy, const int32_t *vz, uint32_t first, uint32_t end),                        \
     (g, x, y, z, vx, vy, vz, first, end), wide_maybe, near_any_above)                            \
+  /* contacts first..end-1, all with one plane that faces up */                                  \
+  X(set, level, (level_view * v, uint32_t first, uint32_t end), (v, first, end), wide_none,      \
+    lift_contacts)                                                                              \
   X(set, hash_words, (hash * h, const int32_t *const *words, uint32_t count), (h, words, count), \
     wide_none, digest_of_words)                                                                  \
   X(set, hash_bytes, (hash * h, const int8_t *const *bytes, uint32_t count), (h, bytes, count),  \
