@@ -11,9 +11,9 @@ enum { LIFT_MOST = 32, LIFT_ROUND = 16 };
 /* Particles that touch; behind the last one, up to a whole round, ones that are not pushed. */
 typedef struct {
   uint32_t particle[LIFT_MOST];
-  int32_t at[3][LIFT_MOST], slip[3][LIFT_MOST], push[3][LIFT_MOST];
-  int32_t depth[LIFT_MOST];
-  uint32_t inverse[LIFT_MOST], up[LIFT_MOST], limit[LIFT_MOST], sticks[LIFT_MOST];
+  int32_t at[3][LIFT_MOST], slip[3][LIFT_MOST], out[3][LIFT_MOST];
+  uint32_t inverse[LIFT_MOST], limit[LIFT_MOST], sticks[LIFT_MOST];
+  uint64_t h[LIFT_MOST];
 } lift_some;
 
 /* What has fewer than `bits` leading zeros stays. */
@@ -31,7 +31,7 @@ FX_WRAPS static inline uint32_t lift_newton(uint32_t m, uint32_t y) {
   return y + (uint32_t)((uint64_t)((int64_t)(int32_t)y * short_of) >> 32);
 }
 
-/* fx_rsqrt(n, FX_ROOT_FINE): inverse, and h in `up`; anything where n is 0. */
+/* fx_rsqrt(n, FX_ROOT_FINE): inverse, and h; anything where n is 0. */
 FX_WRAPS static inline void lift_rsqrt(lift_some *s, uint32_t count) {
   for (uint32_t k = 0; k < count; ++k) {
     uint64_t n = fx_square(s->slip[0][k]) + fx_square(s->slip[1][k]) + fx_square(s->slip[2][k]);
@@ -51,29 +51,35 @@ FX_WRAPS static inline void lift_rsqrt(lift_some *s, uint32_t count) {
     const uint32_t high = 1922456487u - (uint32_t)((uint64_t)m * 217931629u >> 30);
     const uint32_t y = lift_newton(m, lift_newton(m, lift_newton(m, m < 0x80000000u ? low : high)));
     s->inverse[k] = y > 0x80000000u ? 0x80000000u : y;
-    s->up[k] = 31u - up;
+    s->h[k] = 31u - up;
   }
 }
 
-/* Friction takes `slip`, or `limit` of it; then the push is what is left, within the world. */
-FX_WRAPS static inline uint32_t lift_push(lift_some *s, int a, uint32_t count) {
-  uint32_t held_back = 0;
+/* What friction takes back along an axis: all of it, or its part of `limit`. */
+FX_WRAPS static inline void lift_friction(const lift_some *s, int32_t *slip, uint32_t count) {
   for (uint32_t k = 0; k < count; ++k) {
-    const int32_t slip = s->slip[a][k];
-    const uint64_t product = (uint64_t)fx_magnitude(slip) * s->inverse[k];
-    const uint64_t unit = (product + ((uint64_t)1 << s->up[k])) >> (s->up[k] + 1u);
+    const int32_t all = slip[k];
+    const uint64_t product = (uint64_t)fx_magnitude(all) * s->inverse[k];
+    const uint64_t unit = ((product >> s->h[k]) + 1u) >> 1;
     const uint32_t most = 1u << 30;
     const uint32_t share = unit > most ? most : (uint32_t)unit;
     const uint32_t part = (uint32_t)(((uint64_t)share * s->limit[k] + (1u << 29)) >> 30);
-    const int32_t sign = fx_asr(slip, 31);
-    const int32_t taken = s->sticks[k] != 0 ? slip : (int32_t)(part ^ (uint32_t)sign) - sign;
-    const int32_t by = fx_wrap_sub(a == 1 ? s->depth[k] : 0, taken);
-    const int32_t before = s->at[a][k];
-    const int32_t wanted = fx_add_saturated(before, by);
+    const int32_t some = all < 0 ? -(int32_t)part : (int32_t)part;
+    slip[k] = s->sticks[k] != 0 ? all : some;
+  }
+}
+
+/* Moves by `out` - `back`, as far as the world goes; that comes to stand in `back`. */
+FX_WRAPS static inline uint32_t lift_move(int32_t *restrict at, const int32_t *restrict out,
+                                          int32_t *restrict back, uint32_t count) {
+  uint32_t held_back = 0;
+  for (uint32_t k = 0; k < count; ++k) {
+    const int32_t before = at[k];
+    const int32_t wanted = fx_add_saturated(before, fx_wrap_sub(out[k], back[k]));
     const int32_t place = fx_clamp(wanted, fx_min(before, -FX_WORLD_MAX), fx_max(before, FX_WORLD_MAX));
     held_back |= (uint32_t)(place ^ wanted);
-    s->at[a][k] = place;
-    s->push[a][k] = place - before;
+    at[k] = place;
+    back[k] = fx_wrap_sub(place, before);
   }
   return held_back;
 }
@@ -98,7 +104,8 @@ FX_WRAPS static inline void lift_fetch(const level_view *v, lift_some *s, uint32
     const uint32_t depth = k >= count ? 0 : deep > INT32_MAX ? INT32_MAX : deep;
     const int32_t moved = fx_wrap_add(s->slip[1][k], (int32_t)depth);
     const uint64_t limit = (uint64_t)depth * (uint32_t)v->friction >> 16;
-    s->depth[k] = (int32_t)depth;
+    s->out[0][k] = s->out[2][k] = 0;
+    s->out[1][k] = (int32_t)depth;
     s->slip[1][k] = fx_wrap_sub(moved, fx_max(moved, -INT32_MAX));
     s->limit[k] = limit > INT32_MAX ? INT32_MAX : (uint32_t)limit;
   }
@@ -109,9 +116,10 @@ static inline void lift_take(level_view *v, lift_some *s, uint32_t count) {
   lift_fetch(v, s, count, whole);
   lift_rsqrt(s, whole);
   for (int a = 0; a < 3; ++a) {
-    v->held_back |= lift_push(s, a, whole);
+    lift_friction(s, s->slip[a], whole);
+    v->held_back |= lift_move(s->at[a], s->out[a], s->slip[a], whole);
     int64_t sum = 0;
-    for (uint32_t k = 0; k < whole; ++k) sum += s->push[a][k];
+    for (uint32_t k = 0; k < whole; ++k) sum += s->slip[a][k];
     v->pushed[a] += sum;
     for (uint32_t k = 0; k < count; ++k) v->at[a][s->particle[k]] = s->at[a][k];
   }
