@@ -24,7 +24,7 @@ extern "C" {
 
 #define FRAY_VERSION "0.3.0"
 #define FRAY_IMAGE_MAJOR 2u
-#define FRAY_IMAGE_MINOR 0u
+#define FRAY_IMAGE_MINOR 1u
 
 enum { FRAY_HANDS = 2 };
 
@@ -110,7 +110,9 @@ enum {
   FRAY_FAULT_CONTACTS_FULL = 1u << 2, /* raise `limits contacts` */
   FRAY_FAULT_CUTS_WAIT = 1u << 3,     /* more springs over their threshold than `cuts_per_tick` */
   FRAY_FAULT_LEFT_WORLD = 1u << 4,    /* something was held back at the edge of the world */
-  FRAY_FAULT_HALTED = 1u << 5         /* HALT: the bus was lost, or an operator said so */
+  FRAY_FAULT_HALTED = 1u << 5,        /* HALT: the bus was lost, or an operator said so */
+  FRAY_FAULT_SPARES_FULL = 1u << 6,   /* a crossing stays whole: raise `limits spare_particles` */
+  FRAY_FAULT_SPLITS_WAIT = 1u << 7    /* more crossings to split than `splits_per_tick` */
 };
 
 typedef enum {
@@ -129,6 +131,9 @@ typedef struct {
   uint32_t cuts;        /* structural springs cut */
   uint32_t gathers;     /* free particles x bodies with a surface, compared with a body's reach */
   uint32_t over;        /* structural springs found over their thresholds */
+  uint32_t transitions; /* structural rows tested for splitting, couples for coming apart */
+  uint32_t splits;      /* crossings split or loosened */
+  uint32_t slips;       /* connected and loose couples x substeps */
 } fray_work;
 
 typedef struct {
@@ -145,6 +150,8 @@ typedef struct {
   uint32_t cuts_waiting; /* springs over their threshold that the cap left for the next tick */
   uint32_t cut_first;    /* structural spring (canonical id) cut first in this tick; see cuts */
   uint32_t cuts_total;
+  uint32_t splits_waiting;       /* crossings that the cap left for the next tick */
+  uint32_t couples_connected, couples_loose, couples_disconnected; /* of the whole sheet */
   fray_work work;
 } fray_output;
 
@@ -224,6 +231,7 @@ typedef struct {
 } fray_particles;
 
 /* Rows of one family. A dead row keeps its ends. Ends by fray_row(). */
+/* Sheets with yarns have two rows for every diagonal; the second one is dead until an end splits. */
 typedef enum { FRAY_STRUCTURAL = 0, FRAY_BEND = 1, FRAY_SHEAR = 2 } fray_family;
 typedef struct {
   uint32_t i, j;     /* particles */
@@ -276,6 +284,10 @@ typedef struct {
   uint32_t batches[3];
   uint32_t bodies;
   uint32_t particles_max, contacts_max, cuts_max;
+  uint32_t splits_max;             /* a tick; 0: a sheet without yarns, whose crossings never split */
+  uint32_t all_yarn;               /* every free crossing is a couple from tick 0 on */
+  int32_t transition_min_q16, transition_max_q16; /* strain that splits a spring's ends */
+  int32_t loose_max;               /* Q24 lu: farther apart a couple is disconnected */
   int32_t gravity[3];              /* Q28 lu per substep, per substep: whole part (floor) */
   uint32_t gravity_rest[3];        /* 2^-32 of that unit */
   uint32_t hands;                  /* bit h: a body follows hand h */
@@ -288,6 +300,20 @@ fray_sheet fray_view_sheet(const fray_world *world);
 fray_row fray_view_row(const fray_world *world, fray_family family, uint32_t row);
 fray_body fray_view_body(const fray_world *world, uint32_t body);
 uint32_t fray_particle_at(const fray_world *world, uint32_t crossing);
+
+/* The yarns of a crossing (Metaaphanon 2009, section 3.3). A whole crossing is one particle of the
+ * base cloth; any other is a couple of a weft and a warp particle, each with half the mass. */
+typedef enum {
+  FRAY_WHOLE = 0,
+  FRAY_CONNECTED = 1,   /* held together: all-yarn sheets only */
+  FRAY_LOOSE = 2,       /* the yarns slide over each other */
+  FRAY_DISCONNECTED = 3 /* the yarns have come apart for good */
+} fray_couple;
+typedef enum { FRAY_WEFT = 0, FRAY_WARP = 1 } fray_axis;
+fray_couple fray_couple_at(const fray_world *world, uint32_t crossing);
+/* The particle that the yarn has there: of whole crossings the one of fray_particle_at, which is also
+ * the weft's afterwards. */
+uint32_t fray_particle_of(const fray_world *world, uint32_t crossing, fray_axis axis);
 /* The body that carries a held particle (particle < held). */
 uint32_t fray_holder(const fray_world *world, uint32_t particle);
 

@@ -31,6 +31,10 @@ static void print_sheet(const fray_world *w, const fray_facts *f) {
            f->tear_max_q16 / 655.36, f->cuts_max);
   else
     printf("tearing    off\n");
+  if (f->splits_max != 0)
+    printf("yarns      %s; split at %.2f to %.2f %% strain, at most %u a tick; apart at %.4f cm\n",
+           f->all_yarn != 0 ? "everywhere" : "where it tears", f->transition_min_q16 / 655.36,
+           f->transition_max_q16 / 655.36, f->splits_max, centimetres(f, f->loose_max));
 }
 
 static void print_rows(const fray_facts *f) {
@@ -63,9 +67,10 @@ static void print_pools(const fray_world *w, size_t image_bytes, size_t memory_b
 static void print_work(const fray_world *w) {
   const fray_work most = fray_limits(w);
   printf("\nmost work of a tick: %u predictions, %u projections, %u springs, %u contact tests,\n"
-         "                     %u gathers, %u tear tests, %u over, %u cuts\n",
+         "                     %u gathers, %u tear tests, %u over, %u cuts\n"
+         "                     %u transitions, %u splits, %u slips\n",
          most.predictions, most.projections, most.springs, most.contacts, most.gathers,
-         most.tear_tests, most.over, most.cuts);
+         most.tear_tests, most.over, most.cuts, most.transitions, most.splits, most.slips);
 }
 
 int cmd_info(int argc, char **argv) {

@@ -11,6 +11,7 @@
 #include "tools/crew.h"
 #include "tools/kernel.h"
 #include "tools/live.h"
+#include "tools/loose_ends.h"
 #include "tools/options.h"
 #include "tools/pieces.h"
 #include "tools/progress.h"
@@ -153,12 +154,22 @@ static int save(const run_job *j) {
 static void print_pieces(const run_job *j, FILE *out, const piece *pieces, uint32_t count) {
   fprintf(out, "pieces       %u\n", count);
   for (uint32_t n = 0; n < count && n < 8; ++n) {
-    fprintf(out, "             %u crossings, ", pieces[n].crossings);
+    fprintf(out, "             %u %s, ", pieces[n].crossings,
+            j->s.facts.splits_max != 0 ? "particles" : "crossings");
     if (pieces[n].holders == 0) fprintf(out, "loose");
     for (uint32_t b = 0; b < j->s.facts.bodies; ++b)
       if ((pieces[n].holders >> b & 1u) != 0) fprintf(out, "held by body %u ", b);
     fprintf(out, "\n");
   }
+}
+
+static void print_yarns(const run_job *j, FILE *out) {
+  loose_ends e;
+  if (j->s.facts.splits_max == 0 || !loose_ends_find(j->s.opened.world, &e)) return;
+  fprintf(out, "yarns        %u crossings split; %u loose, %u apart", e.split, e.loose, e.disconnected);
+  if (e.connected != 0) fprintf(out, ", %u connected", e.connected);
+  fprintf(out, "\nfray         %.3f cm of loose ends a cm of tear: %u ends, %.2f cm on %.2f cm\n", e.fray,
+          e.ends, e.loose_cm, e.tear_cm);
 }
 
 /* What became of the frames of a device log. */
@@ -187,10 +198,13 @@ static void print_summary(const run_job *j, FILE *out, const piece *pieces, uint
             (double)j->first_cut / f->rate_hz);
   fprintf(out, "springs cut  %u of %u\n", j->last.cuts_total, f->rows[FRAY_STRUCTURAL]);
   print_pieces(j, out, pieces, count);
-  fprintf(out, "faults       0x%02X%s%s%s\n", j->faults,
+  print_yarns(j, out);
+  fprintf(out, "faults       0x%02X%s%s%s%s%s\n", j->faults,
           (j->faults & FRAY_FAULT_CUTS_WAIT) != 0 ? ", cuts waited (cuts_per_tick)" : "",
           (j->faults & FRAY_FAULT_CONTACTS_FULL) != 0 ? ", contacts full (limits contacts)" : "",
-          (j->faults & FRAY_FAULT_LEFT_WORLD) != 0 ? ", held back at the edge of the world" : "");
+          (j->faults & FRAY_FAULT_LEFT_WORLD) != 0 ? ", held back at the edge of the world" : "",
+          (j->faults & FRAY_FAULT_SPARES_FULL) != 0 ? ", spares full (limits spare_particles)" : "",
+          (j->faults & FRAY_FAULT_SPLITS_WAIT) != 0 ? ", splits waited (splits_per_tick)" : "");
   fprintf(out, "work bound   %u projections, %u predictions, %u contact tests a tick\n",
           most.projections, most.predictions, most.contacts);
 }

@@ -23,6 +23,14 @@ static void join_rows(const fray_world *w, uint32_t *parent) {
   }
 }
 
+static void join_couples(const fray_world *w, uint32_t *parent) {
+  const fray_sheet sheet = fray_view_sheet(w);
+  for (uint32_t c = 0; c < sheet.warps * sheet.wefts; ++c)
+    if (fray_couple_at(w, c) != FRAY_DISCONNECTED)
+      parent[root_of(parent, fray_particle_of(w, c, FRAY_WEFT))] =
+          root_of(parent, fray_particle_of(w, c, FRAY_WARP));
+}
+
 uint32_t pieces_find(const fray_world *w, piece *out, uint32_t room) {
   const fray_particles p = fray_view_particles(w);
   uint32_t *parent = malloc(p.count * sizeof *parent);
@@ -31,6 +39,7 @@ uint32_t pieces_find(const fray_world *w, piece *out, uint32_t room) {
   if (parent != NULL && all != NULL) {
     for (uint32_t n = 0; n < p.count; ++n) parent[n] = n;
     join_rows(w, parent);
+    join_couples(w, parent);
     for (uint32_t n = 0; n < p.count; ++n) {
       piece *root = &all[root_of(parent, n)];
       ++root->crossings;

@@ -36,4 +36,13 @@ static inline vec3 vec_scale_unit(vec3 unit, int32_t length) {
                   (int32_t)fx_round64(fx_mul_wide(unit.z, length), 30));
 }
 
+/* v, made shorter iff it is longer than `limit`. */
+static inline vec3 vec_limited(vec3 v, int32_t limit) {
+  const uint64_t n = vec_squared(v);
+  if (n <= fx_square(limit)) return v;
+  const fx_root root = fx_rsqrt(n, FX_ROOT_FINE);
+  return vec_scale_unit(vec_make(fx_root_unit(root, v.x), fx_root_unit(root, v.y),
+                                 fx_root_unit(root, v.z)), limit);
+}
+
 #endif

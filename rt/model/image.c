@@ -5,10 +5,11 @@
 #include "rt/base/bytes.h"
 
 #define AT(field) offsetof(struct fray_world, field)
-#define WORDS(id, role, pool, words, field) {#field, id, role, KIND_WORD, pool, words, AT(field)}
-#define BYTE(id, role, pool, field) {#field, id, role, KIND_BYTE, pool, 1, AT(field)}
-#define IDS(id, role, pool, field) {#field, id, role, KIND_ID, pool, 1, AT(field)}
-#define TICK(pool, type, field) {#field, 0, ROLE_TICK, KIND_STRUCT, pool, sizeof(type), AT(field)}
+#define WORDS(id, role, pool, words, field) {#field, id, role, KIND_WORD, pool, 0, words, AT(field)}
+#define BYTE(id, role, pool, field) {#field, id, role, KIND_BYTE, pool, 0, 1, AT(field)}
+#define IDS(id, role, pool, field) {#field, id, role, KIND_ID, pool, 0, 1, AT(field)}
+#define YARN(id, role, kind, pool, words, field) {#field, id, role, kind, pool, 1, words, AT(field)}
+#define TICK(pool, type, field) {#field, 0, ROLE_TICK, KIND_STRUCT, pool, 0, sizeof(type), AT(field)}
 
 const image_array image_arrays[] = {
     WORDS(1, ROLE_CONSTANT, POOL_PARAMS, PARAM_WORDS, params),
@@ -38,6 +39,11 @@ const image_array image_arrays[] = {
     WORDS(25, ROLE_CONSTANT, POOL_BODIES, BODY_WORDS, bodies),
     WORDS(26, ROLE_STATE, POOL_BODIES, BODY_STATE_WORDS, body_states),
     WORDS(27, ROLE_CONSTANT, POOL_KEYS, BODY_KEY_WORDS, keys),
+    YARN(28, ROLE_CONSTANT, KIND_WORD, POOL_PARAMS, YARN_PARAM_WORDS, yarns),
+    YARN(29, ROLE_STATE, KIND_WORD, POOL_STATE, YARN_STATE_WORDS, yarn_state),
+    YARN(30, ROLE_STATE, KIND_BYTE, POOL_CROSSINGS, 1, couple),
+    YARN(31, ROLE_STATE, KIND_ID, POOL_CROSSINGS, 1, warp_at),
+    YARN(32, ROLE_STATE, KIND_ID, POOL_PARTICLES, 1, place),
     TICK(POOL_PARTICLES, int32_t, qx),
     TICK(POOL_PARTICLES, int32_t, qy),
     TICK(POOL_PARTICLES, int32_t, qz),
@@ -50,7 +56,7 @@ const uint32_t image_array_count = sizeof image_arrays / sizeof image_arrays[0];
 static const uint32_t capacity_max[POOLS] = {
     1,          1,             LIMIT_PARTICLES, LIMIT_PARTICLES, LIMIT_PARTICLES, LIMIT_ROWS,
     LIMIT_BATCHES, LIMIT_CLASSES, LIMIT_CLASSES, LIMIT_BODIES,   LIMIT_KEYS,      LIMIT_CONTACTS,
-    LIMIT_CUTS};
+    LIMIT_CUTS, LIMIT_SPLITS};
 
 fray_status image_refuse(fray_error *error, fray_status status, uint32_t section, uint32_t index,
                          const char *what) {
@@ -77,7 +83,18 @@ static uint32_t memory_bytes_of(const image_array *a) {
   if (a->kind == KIND_ID) return sizeof(row_id);
   return a->kind == KIND_STRUCT ? a->words : 4u;
 }
+static int is_left_out(const image_array *a, const uint32_t capacity[POOLS]) {
+  return a->yarn != 0 && capacity[POOL_SPLITS] == 0;
+}
+static int is_saved(const image_array *a, const uint32_t capacity[POOLS]) {
+  return a->id != 0 && !is_left_out(a, capacity);
+}
+/* The least version that has all that is in the image. */
+static uint32_t version_of(const uint32_t capacity[POOLS]) {
+  return FRAY_IMAGE_MAJOR << 16 | (capacity[POOL_SPLITS] != 0 ? 1u : 0u);
+}
 static uint32_t elements(const image_array *a, const uint32_t capacity[POOLS]) {
+  if (is_left_out(a, capacity)) return 0;
   return capacity[a->pool] * (a->kind == KIND_WORD ? a->words : 1u);
 }
 /* 1 iff this machine reads the words of an image as they stand. */
@@ -90,10 +107,10 @@ static int stays_in_place(const image_array *a, const uint32_t capacity[POOLS], 
 }
 
 /* Carves every array that is not used in place; with a dry arena it only counts. */
-static void carve(fray_world *w, const uint32_t capacity[POOLS], int readable, arena *a) {
+static void carve_arrays(fray_world *w, const uint32_t capacity[POOLS], int readable, arena *a) {
   for (uint32_t n = 0; n < image_array_count; ++n) {
     const image_array *array = &image_arrays[n];
-    if (stays_in_place(array, capacity, readable)) continue;
+    if (stays_in_place(array, capacity, readable) || is_left_out(array, capacity)) continue;
     void *taken = arena_take(a, elements(array, capacity), memory_bytes_of(array));
     if (w != NULL) *(void **)(void *)((uint8_t *)w + array->pointer) = taken;
   }
@@ -102,7 +119,7 @@ static void carve(fray_world *w, const uint32_t capacity[POOLS], int readable, a
 static size_t plan_bytes(const uint32_t capacity[POOLS], int readable) {
   arena dry = {NULL, 0, 0};
   (void)arena_take(&dry, 1, sizeof(fray_world));
-  carve(NULL, capacity, readable, &dry);
+  carve_arrays(NULL, capacity, readable, &dry);
   return dry.used;
 }
 
@@ -112,7 +129,7 @@ static fray_world *plan_carve(const uint32_t capacity[POOLS], int readable, void
   bytes_zero(memory, plan_bytes(capacity, readable));
   fray_world *w = (fray_world *)arena_take(&a, 1, sizeof(fray_world));
   for (uint32_t p = 0; p < POOLS; ++p) w->capacity[p] = capacity[p];
-  carve(w, capacity, readable, &a);
+  carve_arrays(w, capacity, readable, &a);
   return w;
 }
 
@@ -132,13 +149,16 @@ static fray_status read_header(const uint8_t *image, size_t bytes, uint32_t capa
   if (bytes_load32(image) != IMAGE_MAGIC)
     return image_refuse(error, FRAY_BAD_MAGIC, 0, 0, "the bytes FRAY");
   if (version >> 16 != FRAY_IMAGE_MAJOR || (version & 0xFFFFu) > FRAY_IMAGE_MINOR)
-    return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD, "image version 1.0");
+    return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD, "image version 2.0 or 2.1");
   for (uint32_t p = 0; p < POOLS; ++p) {
     capacity[p] = bytes_load32(image + 4u * (IMAGE_CAPACITY_WORD + p));
     if (capacity[p] > capacity_max[p] || (p <= POOL_STATE && capacity[p] != 1u))
       return image_refuse(error, FRAY_BAD_FIELD, 0, IMAGE_CAPACITY_WORD + p,
                           "a capacity in its range");
   }
+  if (version != version_of(capacity))
+    return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD,
+                        "2.1 for an image with yarns, 2.0 for others");
   for (uint32_t n = IMAGE_CAPACITY_WORD + POOLS; n < IMAGE_HEADER_WORDS; ++n)
     if (bytes_load32(image + 4u * n) != 0)
       return image_refuse(error, FRAY_BAD_FIELD, 0, n, "a reserved word of zero");
@@ -166,10 +186,10 @@ static uint32_t align_up(uint32_t bytes) {
 /* Where array n's section starts; sections follow one another in the order of the table. */
 static uint32_t section_offset(const uint32_t capacity[POOLS], uint32_t n) {
   uint32_t sections = 0;
-  for (uint32_t k = 0; k < image_array_count; ++k) sections += image_arrays[k].id != 0;
+  for (uint32_t k = 0; k < image_array_count; ++k) sections += is_saved(&image_arrays[k], capacity) != 0;
   uint32_t offset = align_up(4u * (IMAGE_HEADER_WORDS + IMAGE_DIRECTORY_WORDS * sections));
   for (uint32_t k = 0; k < n; ++k)
-    if (image_arrays[k].id != 0)
+    if (is_saved(&image_arrays[k], capacity))
       offset = align_up(offset + elements(&image_arrays[k], capacity) *
                                      stored_bytes(&image_arrays[k], short_ids(capacity)));
   return offset;
@@ -184,7 +204,7 @@ static fray_status check_directory(const uint8_t *image, const uint32_t capacity
   uint32_t entry = 0;
   for (uint32_t n = 0; n < image_array_count; ++n) {
     const image_array *a = &image_arrays[n];
-    if (a->id == 0) continue;
+    if (!is_saved(a, capacity)) continue;
     const uint8_t *words = image + 4u * (IMAGE_HEADER_WORDS + IMAGE_DIRECTORY_WORDS * entry);
     if (bytes_load32(words) != a->id ||
         bytes_load32(words + 4) != stored_bytes(a, short_ids(capacity)) ||
@@ -218,7 +238,7 @@ static void load_array(const image_array *a, const uint8_t *from, uint32_t store
 static void load_sections(fray_world *w, const uint8_t *image, int readable) {
   for (uint32_t n = 0; n < image_array_count; ++n) {
     const image_array *a = &image_arrays[n];
-    if (a->id == 0) continue;
+    if (!is_saved(a, w->capacity)) continue;
     const uint8_t *from = image + section_offset(w->capacity, n);
     if (stays_in_place(a, w->capacity, readable))
       *(const void **)(void *)((uint8_t *)w + a->pointer) = from;
@@ -255,6 +275,8 @@ fray_status fray_open(const void *image, size_t image_bytes, void *memory, size_
                         "as many bytes of memory as fray_bytes() says");
   fray_world *w = plan_carve(capacity, readable, memory, memory_bytes);
   load_sections(w, bytes, readable);
+  w->particles = (uint32_t)w->params->particles +
+                 (world_has_yarns(w) ? (uint32_t)w->yarn_state->split : 0u);
   status = image_validate(w, error);
   if (status == FRAY_OK) *world = w;
   return status;
@@ -288,7 +310,7 @@ size_t fray_save(const fray_world *world, void *buffer, size_t buffer_bytes) {
   bytes_zero(image, length);
   for (uint32_t n = 0; n < image_array_count; ++n) {
     const image_array *a = &image_arrays[n];
-    if (a->id == 0) continue;
+    if (!is_saved(a, world->capacity)) continue;
     const uint32_t stored = stored_bytes(a, ids_are_short);
     const uint32_t count = elements(a, world->capacity);
     const uint32_t offset = section_offset(world->capacity, n);
@@ -300,7 +322,7 @@ size_t fray_save(const fray_world *world, void *buffer, size_t buffer_bytes) {
     save_array(a, image_pointer(world, a), stored, image + offset, count);
   }
   bytes_store32(image, IMAGE_MAGIC);
-  bytes_store32(image + 4 * IMAGE_VERSION_WORD, FRAY_IMAGE_MAJOR << 16 | FRAY_IMAGE_MINOR);
+  bytes_store32(image + 4 * IMAGE_VERSION_WORD, version_of(world->capacity));
   bytes_store32(image + 4 * IMAGE_BYTES_WORD, length);
   bytes_store32(image + 4 * IMAGE_FEATURES_WORD, ids_are_short ? (uint32_t)IMAGE_SHORT_IDS : 0u);
   bytes_store32(image + 4 * IMAGE_SECTIONS_WORD, entry);
@@ -317,9 +339,9 @@ int fray_view_pool(const fray_world *world, uint32_t index, fray_pool *pool) {
   const uint8_t *place = (const uint8_t *)image_pointer(world, a);
   const uint8_t *first = (const uint8_t *)world;
   pool->name = a->name;
-  pool->count = world->capacity[a->pool];
+  pool->count = is_left_out(a, world->capacity) ? 0 : world->capacity[a->pool];
   pool->element_bytes = memory_bytes_of(a) * (a->kind == KIND_WORD ? a->words : 1u);
   pool->constant = a->role == ROLE_CONSTANT;
-  pool->in_place = place < first || place >= first + plan_bytes(world->capacity, 0);
+  pool->in_place = place != NULL && (place < first || place >= first + plan_bytes(world->capacity, 0));
   return 1;
 }

@@ -7,7 +7,8 @@
  *
  * The CRC-32 covers everything behind its own word. It finds damage, not intent: an image from
  * an untrusted hand is safe to load (every field is checked) but not thereby authentic.
- * One version is read; another one is refused, and converted by tools. */
+ * One major version is read; another one is refused, and converted by tools. What only yarns need
+ * stands in sections of its own: an image without them is one of version 2.0. */
 #ifndef FRAY_MODEL_IMAGE_H
 #define FRAY_MODEL_IMAGE_H
 
@@ -41,6 +42,7 @@ typedef struct {
   uint16_t id;          /* in the image; 0 for what lives for one tick */
   uint8_t role, kind;
   uint8_t pool;         /* its capacity */
+  uint8_t yarn;         /* in worlds with yarns only */
   uint16_t words;       /* words per element for KIND_WORD; bytes for KIND_STRUCT; else 1 */
   size_t pointer;       /* offset of the pointer in the world */
 } image_array;

@@ -16,7 +16,8 @@ enum {
   LIMIT_KEYS = 4096,
   LIMIT_CONTACTS = 1 << 20,
   LIMIT_CUTS = 64,
-  LIMIT_CLASSES = 255,
+  LIMIT_CLASSES = 32,
+  LIMIT_SPLITS = 4096,
   LIMIT_SUBSTEPS = 128,
   LIMIT_SWEEPS = 128
 };
@@ -91,7 +92,7 @@ typedef struct {
   X(hash_low,           WORD_MIN,   WORD_MAX)  /* what the last tick reported; not hashed */ \
   X(hash_high,          WORD_MIN,   WORD_MAX) \
   X(cuts_total,         0,          LIMIT_ROWS) \
-  X(faults,             0,          63) \
+  X(faults,             0,          255) \
   X(mode,               FRAY_READY, FRAY_SAFE) \
   X(starting,           0,          1)         /* START taken, hands not armed yet */ \
   X(muted,              0,          1)         /* ZERO: forces stay at zero */ \
@@ -128,10 +129,43 @@ typedef struct {
   hand_state hand[FRAY_HANDS];
 } state;
 
+/* Of worlds with yarns only.
+ *    name              least       most */
+#define YARN_PARAMS(X) \
+  X(transition_min,     0,          1 << 18)   /* Q16 strain, below tear_min */ \
+  X(transition_max,     0,          1 << 18)   /* below tear_max */ \
+  X(loose_max,          1,          1 << 26)   /* Q24 lu: farther apart a couple is disconnected */ \
+  X(loose_by_particles, 0,          1)         /* measured between its particles, not its yarns */ \
+  X(slip_friction,      0,          16 << 16)  /* Q16 */ \
+  X(slip_grip,          0,          1 << 24)   /* Q24 lu: what friction holds in a substep without
+                                                  being pressed */ \
+  X(all_yarn,           0,          1)         /* every free crossing is a couple from tick 0 on */
+
+typedef struct {
+#define X(name, least, most) int32_t name;
+  YARN_PARAMS(X)
+#undef X
+} yarn_params;
+
+#define YARN_STATE(X) \
+  X(split,              0,          LIMIT_PARTICLES) /* spare particles in use */ \
+  X(wanted,             0,          LIMIT_PARTICLES) /* crossings that wait to be split */ \
+  X(connected,          0,          LIMIT_PARTICLES) /* couples by state */ \
+  X(loose,              0,          LIMIT_PARTICLES) \
+  X(disconnected,       0,          LIMIT_PARTICLES)
+
+typedef struct {
+#define X(name, least, most) int32_t name;
+  YARN_STATE(X)
+#undef X
+} yarn_state;
+
 enum {
 #define X(name, least, most) +1
   PARAM_WORDS = 0 PARAMS(X),
-  STATE_WORDS = 0 STATE(X)
+  STATE_WORDS = 0 STATE(X),
+  YARN_PARAM_WORDS = 0 YARN_PARAMS(X),
+  YARN_STATE_WORDS = 0 YARN_STATE(X)
 #undef X
 };
 _Static_assert(sizeof(params) == 4u * PARAM_WORDS, "params is a table of words");

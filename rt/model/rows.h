@@ -19,7 +19,21 @@ typedef uint16_t row_id;
 typedef uint32_t row_id;
 #endif
 
-enum { ROW_DEAD = 0 };
+/* A row's kind: 0, or its class, with ROW_LIGHT and one or both of the others where an end weighs half
+ * as much as a crossing, being one of its two yarns. */
+enum { ROW_DEAD = 0, ROW_CLASS = 31, ROW_UP_J = 32, ROW_UP_I = 64, ROW_LIGHT = 128 };
+
+/* Classes as the scene compiler numbers them; what splits rows relies on it. A yarn that goes from one
+ * side of the cloth to the other has a longer way than the cloth: CLASS_CRIMP once for a half of the
+ * thickness between the ends of a link, twice for all of it. */
+enum {
+  CLASS_WEFT = 1, /* links and bend springs along wefts */
+  CLASS_WARP = 2,
+  CLASS_CRIMP = 2,
+  CLASS_LINKS = CLASS_WARP + 2 * CLASS_CRIMP, /* the last of links */
+  CLASS_SHEAR = 3,
+  CLASS_SHEAR_HALF = 4 /* one of the two that stand for a diagonal with a split end */
+};
 
 /* Link directions are taken in units of 2^LINK_SHIFT position steps. */
 enum { LINK_SHIFT = 8, LINK_UNITS_MIN = 1024, LINK_UNITS_MAX = 8191 };
@@ -87,6 +101,13 @@ typedef struct {
   int32_t count;
   int32_t held;
 } row_batch;
+
+/* (rest * (1 + strain))^2, Q48 lu^2. A rest length is below 1/8 lu, a strain at most 4. */
+static inline uint64_t link_stretched_squared(int32_t rest, int32_t strain_q16) {
+  const uint32_t length =
+      (uint32_t)(fx_mul_wide_u((uint32_t)rest, 65536u + (uint32_t)strain_q16) >> 16);
+  return fx_mul_wide_u(length, length);
+}
 
 enum {
   LINK_CLASS_WORDS = sizeof(link_class) / 4,

@@ -2,6 +2,7 @@
 /* Every value of a loaded image is checked here, in time linear in the image, so that the stages
  * can rely on ranges, on ids that exist and on batches whose rows are independent. */
 #include "rt/base/hash.h"
+#include "rt/model/couples.h"
 #include "rt/model/image.h"
 
 typedef struct {
@@ -19,11 +20,22 @@ static const word_range state_ranges[STATE_WORDS] = {
 #undef X
 };
 
+static const word_range yarn_params_ranges[YARN_PARAM_WORDS] = {
+#define X(name, least, most) {least, most},
+    YARN_PARAMS(X)
+#undef X
+};
+static const word_range yarn_state_ranges[YARN_STATE_WORDS] = {
+#define X(name, least, most) {least, most},
+    YARN_STATE(X)
+#undef X
+};
+
 /* Section ids, as in image_arrays. */
 enum {
   IN_PARAMS = 1, IN_STATE, IN_LINKS, IN_SPRINGS, IN_BATCHES, IN_CROSSING, IN_HOME, IN_ROW_OF,
   IN_ROW_I, IN_ROW_J, IN_CLASS, IN_X, IN_Y, IN_Z, IN_VX, IN_RX = 18, IN_GRIP_BODY = 21, IN_GRIP_X,
-  IN_BODIES = 25, IN_BODY_STATES, IN_KEYS
+  IN_BODIES = 25, IN_BODY_STATES, IN_KEYS, IN_YARNS, IN_YARN_STATE, IN_COUPLE, IN_WARP_AT, IN_PLACE
 };
 
 static int bad(fray_error *error, uint32_t section, uint32_t index, const char *what) {
@@ -50,13 +62,15 @@ static int counts_fit(const fray_world *w, fray_error *error) {
   const weave grid = world_weave(w);
   const uint32_t crossings = grid.warps * grid.wefts;
   const uint32_t *have = w->capacity;
+  /* every diagonal of a world with yarns has a shadow row, in batches of their own */
+  const uint32_t twice = world_has_yarns(w) ? 2 : 1;
   const int fit =
       crossings == have[POOL_CROSSINGS] && (uint32_t)p->particles >= crossings &&
       (uint32_t)p->particles <= have[POOL_PARTICLES] && (uint32_t)p->held == have[POOL_HELD] &&
       p->held <= p->particles && (uint32_t)p->links == weave_links(grid) &&
       (uint32_t)p->bends == weave_bends(grid) && (uint32_t)p->shears == weave_shears(grid) &&
-      (uint32_t)p->links + (uint32_t)p->bends + (uint32_t)p->shears == have[POOL_ROWS] &&
-      (uint32_t)p->link_batches + (uint32_t)p->bend_batches + (uint32_t)p->shear_batches ==
+      (uint32_t)p->links + (uint32_t)p->bends + twice * (uint32_t)p->shears == have[POOL_ROWS] &&
+      (uint32_t)p->link_batches + (uint32_t)p->bend_batches + twice * (uint32_t)p->shear_batches ==
           have[POOL_BATCHES] &&
       (uint32_t)p->bodies == have[POOL_BODIES] && (uint32_t)p->cuts_max == have[POOL_CUTS] &&
       have[POOL_LINK_CLASSES] >= 1 && have[POOL_SPRING_CLASSES] >= 1;
@@ -211,11 +225,17 @@ static int crossings_good(const fray_world *w, fray_error *error) {
 
 /* A row is its canonical row: of the same family, between the particles of the same crossings. */
 static int row_is_at_home(const fray_world *w, uint32_t row) {
-  uint32_t a;
-  uint32_t b;
-  weave_ends(world_weave(w), w->home[row], &a, &b);
-  const uint32_t i = w->crossing[a];
-  const uint32_t j = w->crossing[b];
+  uint32_t i;
+  uint32_t j;
+  if (world_has_yarns(w)) {
+    couple_ends(w, row, &i, &j);
+  } else {
+    uint32_t a;
+    uint32_t b;
+    weave_ends(world_weave(w), w->home[row], &a, &b);
+    i = w->crossing[a];
+    j = w->crossing[b];
+  }
   return (w->row_i[row] == i && w->row_j[row] == j) || (w->row_i[row] == j && w->row_j[row] == i);
 }
 
@@ -225,7 +245,7 @@ static uint32_t family_of(const fray_world *w, uint32_t row) {
 }
 
 static int ids_good(const fray_world *w, fray_error *error) {
-  const uint32_t particles = (uint32_t)w->params->particles;
+  const uint32_t particles = w->particles;
   const uint32_t rows = w->capacity[POOL_ROWS];
   const uint32_t links = (uint32_t)w->params->links;
   for (uint32_t row = 0; row < rows; ++row) {
@@ -233,7 +253,8 @@ static int ids_good(const fray_world *w, fray_error *error) {
         row < links ? w->capacity[POOL_LINK_CLASSES] : w->capacity[POOL_SPRING_CLASSES];
     if (w->row_i[row] >= particles || w->row_j[row] >= particles || w->row_i[row] == w->row_j[row])
       return bad(error, IN_ROW_I, row, "two different particles in use");
-    if (w->row_class[row] != ROW_DEAD && w->row_class[row] >= classes)
+    const uint32_t kind = world_has_yarns(w) ? w->row_class[row] & (uint32_t)ROW_CLASS : w->row_class[row];
+    if (kind >= classes || (kind == 0 && w->row_class[row] != ROW_DEAD))
       return bad(error, IN_CLASS, row, "a class that exists");
     if (w->home[row] >= rows || w->row_of[w->home[row]] != row)
       return bad(error, IN_HOME, row, "a canonical row, each once");
@@ -263,9 +284,10 @@ static int batch_good(const fray_world *w, uint32_t b, int32_t *seen) {
 static int batches_good(const fray_world *w, fray_error *error) {
   const params *p = w->params;
   const uint32_t ends[3] = {(uint32_t)p->links, (uint32_t)(p->links + p->bends),
-                            (uint32_t)(p->links + p->bends + p->shears)};
+                            w->capacity[POOL_ROWS]};
   const uint32_t batches[3] = {(uint32_t)p->link_batches, (uint32_t)p->bend_batches,
-                               (uint32_t)p->shear_batches};
+                               w->capacity[POOL_BATCHES] -
+                                   (uint32_t)(p->link_batches + p->bend_batches)};
   int32_t *seen = w->qx; /* not in use between ticks */
   for (uint32_t n = 0; n < w->capacity[POOL_PARTICLES]; ++n) seen[n] = -1;
   uint32_t row = 0;
@@ -294,6 +316,76 @@ static int homes_good(const fray_world *w, fray_error *error) {
   return 1;
 }
 
+static int yarns_good(const fray_world *w, fray_error *error) {
+  const params *p = w->params;
+  const yarn_params *y = w->yarns;
+  if (!words_in_range(y, yarn_params_ranges, YARN_PARAM_WORDS, IN_YARNS, error) ||
+      !words_in_range(w->yarn_state, yarn_state_ranges, YARN_STATE_WORDS, IN_YARN_STATE, error))
+    return 0;
+  if ((uint32_t)p->particles != w->capacity[POOL_CROSSINGS] ||
+      w->particles > w->capacity[POOL_PARTICLES])
+    return bad(error, IN_YARN_STATE, 0, "a particle for each crossing, and spare ones that exist");
+  if (w->capacity[POOL_LINK_CLASSES] <= CLASS_LINKS ||
+      w->capacity[POOL_SPRING_CLASSES] <= CLASS_SHEAR_HALF)
+    return bad(error, IN_SPRINGS, 0, "the classes that split rows have");
+  if (y->transition_max < y->transition_min || y->transition_min >= p->tear_min ||
+      y->transition_max - y->transition_min > p->tear_max - p->tear_min)
+    return bad(error, IN_YARNS, 0, "strains of transition below those of tearing");
+  return 1;
+}
+
+/* One crossing; `seen` marks the spare particles in use. */
+static int couple_good(const fray_world *w, uint32_t c, int32_t *seen) {
+  const uint32_t byte = w->couple[c];
+  const uint32_t warp = w->warp_at[c];
+  if ((byte & ~(uint32_t)(COUPLE_STATE | COUPLE_WANTED)) != 0 || w->place[w->crossing[c]] != c)
+    return 0;
+  if ((byte & COUPLE_WANTED) != 0 &&
+      (couple_is_held(w, c) || (couple_at(w, c) != FRAY_WHOLE && couple_at(w, c) != FRAY_CONNECTED)))
+    return 0;
+  if (couple_at(w, c) == FRAY_WHOLE) return warp == w->crossing[c];
+  if (couple_is_held(w, c) || (couple_at(w, c) == FRAY_CONNECTED && w->yarns->all_yarn == 0))
+    return 0;
+  return warp >= (uint32_t)w->params->particles && warp < w->particles && seen[warp]++ == 0 &&
+         w->place[warp] == c;
+}
+
+static int couples_good(const fray_world *w, fray_error *error) {
+  int32_t counts[4] = {0, 0, 0, 0};
+  int32_t wanted = 0;
+  int32_t *seen = w->qx; /* not in use between ticks */
+  const yarn_state *s = w->yarn_state;
+  for (uint32_t p = 0; p < w->capacity[POOL_PARTICLES]; ++p) {
+    seen[p] = 0;
+    if (w->place[p] >= w->capacity[POOL_CROSSINGS] || (p >= w->particles && w->place[p] != 0))
+      return bad(error, IN_PLACE, p, "a crossing, 0 for a spare particle that is not in use");
+  }
+  for (uint32_t c = 0; c < w->capacity[POOL_CROSSINGS]; ++c) {
+    if (!couple_good(w, c, seen)) return bad(error, IN_COUPLE, c, "a couple and its particles");
+    ++counts[couple_at(w, c)];
+    wanted += (w->couple[c] & COUPLE_WANTED) != 0;
+  }
+  if (counts[FRAY_CONNECTED] != s->connected || counts[FRAY_LOOSE] != s->loose ||
+      counts[FRAY_DISCONNECTED] != s->disconnected || wanted != s->wanted ||
+      s->connected + s->loose + s->disconnected != s->split)
+    return bad(error, IN_YARN_STATE, 0, "counts of the couples");
+  return 1;
+}
+
+/* Rows have the kind that their ends call for, and a diagonal has its shadow iff an end has split. */
+static int kinds_good(const fray_world *w, fray_error *error) {
+  const uint32_t shears = (uint32_t)w->params->shears;
+  for (uint32_t row = 0; row < w->capacity[POOL_ROWS]; ++row) {
+    const uint32_t kind = w->row_class[row];
+    if (kind == ROW_DEAD) continue;
+    if (kind != couple_kind(w, row)) return bad(error, IN_CLASS, row, "the kind that its ends call for");
+    if ((kind & ROW_CLASS) != CLASS_SHEAR_HALF || w->home[row] < weave_rows(world_weave(w))) continue;
+    if ((kind & ROW_LIGHT) == 0 || w->row_class[w->row_of[w->home[row] - shears]] == ROW_DEAD)
+      return bad(error, IN_CLASS, row, "a shadow of a living diagonal with a split end");
+  }
+  return 1;
+}
+
 static int topology_good(const fray_world *w, fray_error *error) {
   const uint64_t now = world_topology(w);
   if ((uint32_t)w->state->topology[0] != (uint32_t)(now & 0xFFFFFFFFu) ||
@@ -315,9 +407,13 @@ fray_status image_validate(const fray_world *w, fray_error *error) {
   const int good =
       words_in_range(w->params, params_ranges, PARAM_WORDS, IN_PARAMS, &found) &&
       words_in_range(w->state, state_ranges, STATE_WORDS, IN_STATE, &found) &&
-      counts_fit(w, &found) && link_classes_good(w, &found) && spring_classes_good(w, &found) &&
-      bodies_good(w, &found) && particles_good(w, &found) && crossings_good(w, &found) && ids_good(w, &found) &&
-      batches_good(w, &found) && homes_good(w, &found) && topology_good(w, &found) && hash_good(w, &found);
+      counts_fit(w, &found) && (!world_has_yarns(w) || yarns_good(w, &found)) &&
+      link_classes_good(w, &found) && spring_classes_good(w, &found) && bodies_good(w, &found) &&
+      particles_good(w, &found) && crossings_good(w, &found) &&
+      (!world_has_yarns(w) || couples_good(w, &found)) && ids_good(w, &found) &&
+      batches_good(w, &found) && homes_good(w, &found) &&
+      (!world_has_yarns(w) || kinds_good(w, &found)) && topology_good(w, &found) &&
+      hash_good(w, &found);
   if (good) return FRAY_OK;
   if (error != NULL) *error = found;
   return found.status;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Read-only views for the caller. */
 #include "rt/base/bytes.h"
-#include "rt/model/world.h"
+#include "rt/model/couples.h"
 
 uint64_t fray_hash(const fray_world *w) {
   return (uint64_t)(uint32_t)w->state->hash[1] << 32 | (uint32_t)w->state->hash[0];
@@ -19,18 +19,23 @@ fray_work fray_limits(const fray_world *w) {
   const params *p = w->params;
   const uint32_t substeps = (uint32_t)p->substeps;
   const uint32_t link_batches = (uint32_t)p->link_batches;
+  const uint32_t spares =
+      world_has_yarns(w) ? w->capacity[POOL_PARTICLES] - (uint32_t)p->particles : 0;
+  const uint32_t particles = (uint32_t)(p->particles - p->held) + spares;
   fray_work most;
-  most.predictions = (uint32_t)(p->particles - p->held) * substeps;
+  most.predictions = particles * substeps;
   most.projections = stepped(w, 0, link_batches) * (uint32_t)p->sweeps * substeps;
-  most.springs = stepped(w, link_batches,
-                         link_batches + (uint32_t)p->bend_batches + (uint32_t)p->shear_batches);
+  most.springs = stepped(w, link_batches, w->capacity[POOL_BATCHES]);
   most.contacts = w->capacity[POOL_CONTACTS] * substeps;
   most.tear_tests = p->tearing != 0 ? (uint32_t)p->links : 0;
   most.gathers = 0;
   for (uint32_t b = 0; b < (uint32_t)p->bodies; ++b)
-    if (w->bodies[b].shape != FRAY_ANCHOR) most.gathers += (uint32_t)(p->particles - p->held);
+    if (w->bodies[b].shape != FRAY_ANCHOR) most.gathers += particles;
   most.over = most.tear_tests;
   most.cuts = p->tearing != 0 ? (uint32_t)p->cuts_max : 0;
+  most.slips = spares * substeps;
+  most.transitions = most.tear_tests != 0 && world_has_yarns(w) ? most.tear_tests + spares : 0;
+  most.splits = p->tearing != 0 ? w->capacity[POOL_SPLITS] : 0;
   return most;
 }
 
@@ -50,14 +55,22 @@ fray_facts fray_describe(const fray_world *w) {
   f.tick = (uint32_t)w->state->tick;
   f.rows[FRAY_STRUCTURAL] = (uint32_t)p->links;
   f.rows[FRAY_BEND] = (uint32_t)p->bends;
-  f.rows[FRAY_SHEAR] = (uint32_t)p->shears;
+  f.rows[FRAY_SHEAR] = w->capacity[POOL_ROWS] - (uint32_t)(p->links + p->bends);
   f.batches[FRAY_STRUCTURAL] = (uint32_t)p->link_batches;
   f.batches[FRAY_BEND] = (uint32_t)p->bend_batches;
-  f.batches[FRAY_SHEAR] = (uint32_t)p->shear_batches;
+  f.batches[FRAY_SHEAR] =
+      w->capacity[POOL_BATCHES] - (uint32_t)(p->link_batches + p->bend_batches);
   f.bodies = (uint32_t)p->bodies;
   f.particles_max = w->capacity[POOL_PARTICLES];
   f.contacts_max = w->capacity[POOL_CONTACTS];
   f.cuts_max = w->capacity[POOL_CUTS];
+  f.splits_max = w->capacity[POOL_SPLITS];
+  if (world_has_yarns(w)) {
+    f.all_yarn = (uint32_t)w->yarns->all_yarn;
+    f.transition_min_q16 = w->yarns->transition_min;
+    f.transition_max_q16 = w->yarns->transition_max;
+    f.loose_max = w->yarns->loose_max;
+  }
   f.hands = (uint32_t)p->hands;
   for (uint32_t h = 0; h < FRAY_HANDS; ++h) f.consumed[h] = (uint8_t)w->state->hand[h].consumed;
   f.gravity[0] = p->gravity_x;
@@ -70,8 +83,8 @@ fray_facts fray_describe(const fray_world *w) {
 }
 
 fray_particles fray_view_particles(const fray_world *w) {
-  const fray_particles v = {(uint32_t)w->params->particles, (uint32_t)w->params->held, w->x, w->y,
-                            w->z, w->vx, w->vy, w->vz};
+  const fray_particles v = {w->particles, (uint32_t)w->params->held, w->x, w->y, w->z, w->vx, w->vy,
+                            w->vz};
   return v;
 }
 
@@ -95,7 +108,8 @@ fray_row fray_view_row(const fray_world *w, fray_family family, uint32_t index) 
   v.home = w->home[row];
   v.alive = kind != ROW_DEAD;
   v.held = v.i < (uint32_t)p->held || v.j < (uint32_t)p->held;
-  v.rest = family == FRAY_STRUCTURAL ? w->links[kind].rest : w->springs[kind].rest;
+  v.rest = family == FRAY_STRUCTURAL ? w->links[kind & ROW_CLASS].rest
+                                     : w->springs[kind & ROW_CLASS].rest;
   v.threshold = family == FRAY_STRUCTURAL ? world_threshold(w, row) : 0;
   return v;
 }
@@ -119,5 +133,13 @@ fray_body fray_view_body(const fray_world *w, uint32_t b) {
 }
 
 uint32_t fray_particle_at(const fray_world *w, uint32_t crossing) { return w->crossing[crossing]; }
+
+fray_couple fray_couple_at(const fray_world *w, uint32_t crossing) {
+  return world_has_yarns(w) ? couple_at(w, crossing) : FRAY_WHOLE;
+}
+
+uint32_t fray_particle_of(const fray_world *w, uint32_t crossing, fray_axis axis) {
+  return axis == FRAY_WARP && world_has_yarns(w) ? w->warp_at[crossing] : w->crossing[crossing];
+}
 
 uint32_t fray_holder(const fray_world *w, uint32_t particle) { return w->grip_body[particle]; }

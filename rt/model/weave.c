@@ -54,7 +54,8 @@ void weave_ends(weave w, uint32_t canonical, uint32_t *a, uint32_t *b) {
       *b = *a + 2u * w.warps;
     }
   } else {
-    const uint32_t n = canonical - links - bends;
+    const uint32_t n = canonical < weave_rows(w) ? canonical - links - bends
+                                                 : canonical - weave_rows(w);
     const uint32_t cell = n / 2u;
     const uint32_t corner = cell / (w.warps - 1u) * w.warps + cell % (w.warps - 1u);
     *a = n % 2u == 0 ? corner : corner + 1u;
@@ -84,4 +85,62 @@ uint32_t weave_released(weave w, uint32_t canonical, uint32_t released[WEAVE_REL
     }
   }
   return count;
+}
+
+int weave_step(weave w, uint32_t crossing, uint32_t way, uint32_t *next, uint32_t *link) {
+  const uint32_t i = crossing % w.warps;
+  const uint32_t j = crossing / w.warps;
+  const uint32_t at = way < 2u ? i : j;
+  const uint32_t ends = way < 2u ? w.warps : w.wefts;
+  const uint32_t step = way < 2u ? 1u : w.warps;
+  const int on = (way & 1u) != 0;
+  if (on ? at + 1u == ends : at == 0) return 0;
+  const uint32_t first = on ? crossing : crossing - step;
+  *next = on ? crossing + step : first;
+  *link = way < 2u ? first / w.warps * (w.warps - 1u) + first % w.warps
+                   : w.wefts * (w.warps - 1u) + first;
+  return 1;
+}
+
+static void add_bends(weave w, uint32_t i, uint32_t j, uint32_t along_warp, weave_star *s) {
+  const uint32_t at = along_warp != 0 ? j : i;
+  const uint32_t ends = along_warp != 0 ? w.wefts : w.warps;
+  if (at >= 2u)
+    s->row[s->count++] = along_warp != 0 ? bend_number(w, i, j - 2u, 1) : bend_number(w, i - 2u, j, 0);
+  if (at + 2u < ends) s->row[s->count++] = bend_number(w, i, j, along_warp);
+}
+
+weave_star weave_rows_at(weave w, uint32_t crossing) {
+  const uint32_t i = crossing % w.warps;
+  const uint32_t j = crossing / w.warps;
+  weave_star s = {{0}, 0, 0, 0};
+  uint32_t next;
+  for (uint32_t axis = 0; axis < 2u; ++axis) {
+    for (uint32_t way = 2u * axis; way < 2u * axis + 2u; ++way)
+      if (weave_step(w, crossing, way, &next, &s.row[s.count])) ++s.count;
+    add_bends(w, i, j, axis, &s);
+    if (axis == 0)
+      s.along_weft = s.count;
+    else
+      s.along_warp = s.count;
+  }
+  for (uint32_t cell = 0; cell < 4u; ++cell) {
+    const uint32_t left = cell & 1u;
+    const uint32_t above = cell >> 1;
+    if (i < left || j < above || i - left >= w.warps - 1u || j - above >= w.wefts - 1u) continue;
+    s.row[s.count++] = shear_number(w, i - left, j - above, left ^ above);
+  }
+  return s;
+}
+
+weave_cross weave_cross_at(weave w, uint32_t crossing) {
+  const uint32_t j = crossing / w.warps;
+  const uint32_t i = crossing - j * w.warps;
+  const uint32_t along_weft = crossing - j; /* of the link that begins here */
+  const uint32_t along_warp = w.wefts * (w.warps - 1u) + crossing;
+  const weave_cross c = {{i > 0 ? crossing - 1u : crossing, i + 1u < w.warps ? crossing + 1u : crossing,
+                          j > 0 ? crossing - w.warps : crossing,
+                          j + 1u < w.wefts ? crossing + w.warps : crossing},
+                         {i > 0 ? along_weft - 1u : 0, along_weft, along_warp - w.warps, along_warp}};
+  return c;
 }

@@ -4,12 +4,14 @@
 #include "rt/base/random.h"
 #include "rt/wide/wide.h"
 
-enum { TOPOLOGY_FIELD = 1 };
-
 void world_kill_row(fray_world *w, uint32_t row) {
   if (w->row_class[row] == ROW_DEAD) return;
   w->row_class[row] = ROW_DEAD;
-  const uint64_t entry = hash_entry(TOPOLOGY_FIELD, w->home[row], ROW_DEAD);
+  world_toggle(w, TOPOLOGY_ROW, w->home[row], ROW_DEAD);
+}
+
+void world_toggle(fray_world *w, uint32_t field, uint32_t id, uint32_t value) {
+  const uint64_t entry = hash_entry(field, id, value);
   w->state->topology[0] ^= (int32_t)(uint32_t)(entry & 0xFFFFFFFFu);
   w->state->topology[1] ^= (int32_t)(uint32_t)(entry >> 32);
 }
@@ -18,7 +20,12 @@ uint64_t world_topology(const fray_world *w) {
   uint64_t total = 0;
   for (uint32_t row = 0; row < w->capacity[POOL_ROWS]; ++row)
     if (w->row_class[row] == ROW_DEAD)
-      total ^= hash_entry(TOPOLOGY_FIELD, w->home[row], ROW_DEAD);
+      total ^= hash_entry(TOPOLOGY_ROW, w->home[row], ROW_DEAD);
+  if (!world_has_yarns(w)) return total;
+  for (uint32_t c = 0; c < w->capacity[POOL_CROSSINGS]; ++c) {
+    if (w->couple[c] != FRAY_WHOLE) total ^= hash_entry(TOPOLOGY_COUPLE, c, w->couple[c]);
+    if (w->warp_at[c] != w->crossing[c]) total ^= hash_entry(TOPOLOGY_WARP, c, w->warp_at[c]);
+  }
   return total;
 }
 
@@ -35,7 +42,7 @@ static void hash_state(hash *h, const state *s) {
 /* Arrays of particles are hashed on their own, the three axes at a time, and joined: so none waits
  * for another. */
 void world_hash_axes(const fray_world *w, world_hashed which, hash axes[3]) {
-  const uint32_t count = (uint32_t)w->params->particles;
+  const uint32_t count = w->particles;
   const int32_t *const positions[3] = {w->x, w->y, w->z};
   const int32_t *const velocities[3] = {w->vx, w->vy, w->vz};
   const int8_t *const remainders[3] = {w->rx, w->ry, w->rz};
@@ -53,6 +60,8 @@ void world_hash_axes(const fray_world *w, world_hashed which, hash axes[3]) {
 void world_hash_begin(const fray_world *w, hash *h) {
   hash_begin(h);
   hash_state(h, w->state);
+  if (world_has_yarns(w))
+    hash_words(h, (const int32_t *)(const void *)w->yarn_state, YARN_STATE_WORDS);
   hash_words(h, (const int32_t *)(const void *)w->body_states,
              w->capacity[POOL_BODIES] * BODY_STATE_WORDS);
 }
@@ -68,9 +77,16 @@ uint64_t world_hash(const fray_world *w) {
   return hash_end(&h);
 }
 
-int32_t world_threshold(const fray_world *w, uint32_t row) {
+static int32_t drawn(const fray_world *w, uint32_t row, int32_t least, int32_t most) {
   uint32_t element = w->home[row];
   if (w->params->tear_mirrored != 0) element = weave_mirror(world_weave(w), element);
-  return random_between((uint32_t)w->params->seed, element, w->params->tear_min,
-                        w->params->tear_max);
+  return random_between((uint32_t)w->params->seed, element, least, most);
+}
+
+int32_t world_threshold(const fray_world *w, uint32_t row) {
+  return drawn(w, row, w->params->tear_min, w->params->tear_max);
+}
+
+int32_t world_transition(const fray_world *w, uint32_t row) {
+  return drawn(w, row, w->yarns->transition_min, w->yarns->transition_max);
 }

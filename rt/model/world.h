@@ -28,6 +28,7 @@ typedef enum {
   POOL_KEYS,
   POOL_CONTACTS,
   POOL_CUTS,
+  POOL_SPLITS, /* a tick; not 0 iff the world has yarns */
   POOLS
 } pool_name;
 
@@ -40,6 +41,7 @@ typedef struct {
 struct fray_world {
   uint32_t capacity[POOLS];
   fray_kernel kernel;
+  uint32_t particles; /* in use: those of the crossings, then the split ones */
 
   /* constants */
   const params *params;
@@ -53,6 +55,7 @@ struct fray_world {
   const int32_t *grip_x, *grip_y, *grip_z; /* its place relative to the body, Q24 lu */
   const body *bodies;
   const body_key *keys;
+  const yarn_params *yarns;
 
   /* state */
   state *state;
@@ -62,6 +65,10 @@ struct fray_world {
   row_id *row_i, *row_j;
   uint8_t *row_class;
   body_state *body_states;
+  yarn_state *yarn_state;
+  uint8_t *couple;           /* crossing -> fray_couple, COUPLE_WANTED */
+  row_id *warp_at;           /* crossing -> particle of its warp; crossing[] has that of its weft */
+  row_id *place;             /* particle -> crossing */
 
   /* of one tick */
   int32_t *qx, *qy, *qz;     /* predicted, Q24 lu */
@@ -95,9 +102,15 @@ static inline uint32_t world_run_of_batches(const fray_world *w, uint32_t *b, ui
   return (uint32_t)(w->batches[*b - 1u].first + w->batches[*b - 1u].count);
 }
 
+static inline int world_has_yarns(const fray_world *w) { return w->capacity[POOL_SPLITS] != 0; }
+
+/* Enters or takes an entry out of the topology's hash. */
+void world_toggle(fray_world *w, uint32_t field, uint32_t id, uint32_t value);
+enum { TOPOLOGY_ROW = 1, TOPOLOGY_COUPLE = 2, TOPOLOGY_WARP = 3 };
+
 /* Marks a row as dead and enters it into the topology's hash. */
 void world_kill_row(fray_world *w, uint32_t row);
-/* XOR over all dead rows, recomputed: what state.topology must say. */
+/* XOR over all dead rows and all couples, recomputed: what state.topology must say. */
 uint64_t world_topology(const fray_world *w);
 /* The state's hash; cost: 9 words a particle. */
 uint64_t world_hash(const fray_world *w);
@@ -108,5 +121,7 @@ void world_hash_begin(const fray_world *w, hash *h);
 void world_hash_axes(const fray_world *w, world_hashed which, hash axes[3]);
 /* Threshold of a structural row, Q16 strain: drawn from (seed, canonical row). */
 int32_t world_threshold(const fray_world *w, uint32_t row);
+/* Strain over which its ends are split: from the same draw, so always below its threshold. */
+int32_t world_transition(const fray_world *w, uint32_t row);
 
 #endif

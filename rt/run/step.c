@@ -19,9 +19,12 @@ void fray_tick(fray_world *w, const fray_input *input, fray_output *output) {
   for (uint32_t substep = 0; substep < substeps; ++substep) {
     STEP_STAGE(PREDICT, predict_run(w, substep)); /* 1, 2, 4: gravity, positions */
     STEP_STAGE(STRAIN, strain_run(w));            /* 5 */
+    STEP_STAGE(SLIP, slip_run(w));                /* 5 */
     STEP_STAGE(COLLIDE, collide_run(w));          /* 6 */
     if (substep + 1u == substeps) {
-      STEP_STAGE(TEAR, tear_run(w)); /* 7 */
+      STEP_STAGE(TRANSITION, transition_run(w)); /* 7 */
+      STEP_STAGE(SPLIT, split_run(w));
+      STEP_STAGE(TEAR, tear_run(w));
       STEP_STAGE(CUT, cut_run(w));
     }
     STEP_STAGE(FINISH, finish_run(w)); /* 8 */

@@ -6,6 +6,7 @@
  * particle, and reported.
  * run, each substep: a particle closer to a body than the cloth's thickness is pushed out along
  * the body's normal, and held back along the surface by Coulomb friction, as a displacement. */
+#include "rt/model/couples.h"
 #include "rt/stage/stage.h"
 #include "rt/wide/wide.h"
 
@@ -71,7 +72,7 @@ static reach reach_of(const fray_world *w, uint32_t b) {
 }
 
 static void gather(fray_world *w, uint32_t b) {
-  const uint32_t end = (uint32_t)w->params->particles;
+  const uint32_t end = w->particles;
   const uint32_t first = (uint32_t)w->params->held;
   const uint32_t stretch = w->kernel == FRAY_KERNEL_SCALAR ? end : GATHER_STRETCH;
   const int is_plane = w->bodies[b].shape == FRAY_PLANE;
@@ -147,17 +148,6 @@ static int32_t depth_in(const body *s, vec3 d, int32_t skin, vec3 *normal) {
   }
 }
 
-/* What friction takes back of the displacement along the surface: all of it within the cone,
- * else `limit` of it. */
-static vec3 friction(vec3 slip, int32_t limit) {
-  const uint64_t n = vec_squared(slip);
-  if (n <= fx_square(limit)) return slip;
-  const fx_root root = fx_rsqrt(n, FX_ROOT_FINE);
-  const vec3 unit = vec_make(fx_root_unit(root, slip.x), fx_root_unit(root, slip.y),
-                             fx_root_unit(root, slip.z));
-  return vec_scale_unit(unit, limit);
-}
-
 /* Moves a coordinate as far as the world goes; returns how far that was. */
 static int32_t move_within(fray_world *w, int32_t *at, int32_t by) {
   const int32_t before = *at;
@@ -203,11 +193,13 @@ static void resolve(fray_world *w, const encounter *e, contact *c, vec3 d) {
   const vec3 along = e->level ? vec_make(0, fx_max(moved.y, -INT32_MAX), 0)
                               : vec_scale_unit(c->normal, vec_dot_unit(moved, c->normal));
   const int32_t limit = fx_saturate(fx_mul_wide(depth, e->shape->friction) >> 16);
-  const vec3 wanted = vec_sub(out, friction(vec_sub(moved, along), limit));
+  /* friction takes back all of the slip within the cone, else `limit` of it */
+  const vec3 wanted = vec_sub(out, vec_limited(vec_sub(moved, along), limit));
   const vec3 push = vec_make(move_within(w, &w->x[p], wanted.x), move_within(w, &w->y[p], wanted.y),
                              move_within(w, &w->z[p], wanted.z));
-  body_gave(&w->motion[c->body], (int64_t)push.x * (1 << FX_SUB_BITS),
-            (int64_t)push.y * (1 << FX_SUB_BITS), (int64_t)push.z * (1 << FX_SUB_BITS));
+  const int light = world_has_yarns(w) && couple_is_light(w, p);
+  const int64_t mass = light ? 1 << (FX_SUB_BITS - 1) : 1 << FX_SUB_BITS;
+  body_gave(&w->motion[c->body], push.x * mass, push.y * mass, push.z * mass);
 }
 
 /* A free body on a plane: it stops there. */
@@ -246,9 +238,10 @@ static uint32_t meet_level(fray_world *w, const encounter *e, uint32_t b, uint32
   return taken;
 }
 
-/* Contacts of one body. */
+/* Contacts of one body; a kernel takes every particle for whole. */
 static void meet(fray_world *w, const encounter *e, uint32_t b, uint32_t first, uint32_t end) {
-  const uint32_t taken = e->level ? meet_level(w, e, b, first, end) : 0;
+  const int whole = !world_has_yarns(w);
+  const uint32_t taken = e->level && whole ? meet_level(w, e, b, first, end) : 0;
   for (uint32_t n = first + taken; n < end; ++n) {
     contact *c = &w->contacts[n];
     const uint32_t p = c->particle;

@@ -7,7 +7,12 @@ static void cut_row(fray_world *w, uint32_t row) {
   uint32_t released[WEAVE_RELEASED];
   const uint32_t count = weave_released(world_weave(w), w->home[row], released);
   world_kill_row(w, row);
-  for (uint32_t n = 0; n < count; ++n) world_kill_row(w, w->row_of[released[n]]);
+  const uint32_t shadows_from = (uint32_t)(w->params->links + w->params->bends);
+  for (uint32_t n = 0; n < count; ++n) {
+    world_kill_row(w, w->row_of[released[n]]);
+    if (world_has_yarns(w) && released[n] >= shadows_from)
+      world_kill_row(w, w->row_of[released[n] + (uint32_t)w->params->shears]);
+  }
 }
 
 void cut_run(fray_world *w) {

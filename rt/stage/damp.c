@@ -4,8 +4,10 @@
  *
  *   dv = share * (v_cm + omega x (x - x_cm) - v),  omega = I^-1 L      (Mueller et al. 2007, 3.5)
  *
- * which leaves the sheet's fall and turning alone. All particles weigh the same, so sums need no
- * weights. Pieces that have torn off count as one sheet with the rest. */
+ * which leaves the sheet's fall and turning alone. Pieces that have torn off count as one sheet with
+ * the rest. Sums are without weights as long as all particles weigh the same, before any has split. */
+#include "rt/base/bytes.h"
+#include "rt/model/couples.h"
 #include "rt/stage/stage.h"
 #include "rt/wide/wide.h"
 
@@ -45,9 +47,54 @@ static void solve_turn(int64_t i[6], int64_t l[3], int64_t turn[3]) {
   }
 }
 
+/* Twice a particle's mass. */
+static int32_t weight(const fray_world *w, uint32_t p) { return couple_is_light(w, p) ? 1 : 2; }
+
+__attribute__((noinline)) static int32_t weighed_mean(const fray_world *w, const int32_t *v, uint32_t first, uint32_t end) {
+  int64_t sum = 0;
+  int64_t mass = 0;
+  for (uint32_t p = first; p < end; ++p) {
+    sum += (int64_t)v[p] * weight(w, p);
+    mass += weight(w, p);
+  }
+  return (int32_t)(sum / (mass > 0 ? mass : 1));
+}
+
+/* Positions to Q13, velocities to Q16. */
+__attribute__((noinline)) static int32_t away(int32_t v, int32_t from, unsigned down) {
+  return (int32_t)fx_round64((int64_t)v - from, down);
+}
+
+/* sweep_turning() of a sheet some of whose crossings have split. */
+__attribute__((noinline)) static void weighed_turning(const fray_world *w, sweep_motion *m, uint32_t first, uint32_t end) {
+  const vec3 c = vec_make(weighed_mean(w, w->x, first, end), weighed_mean(w, w->y, first, end),
+                          weighed_mean(w, w->z, first, end));
+  const vec3 g = vec_make(weighed_mean(w, w->vx, first, end), weighed_mean(w, w->vy, first, end),
+                          weighed_mean(w, w->vz, first, end));
+  bytes_zero(m, sizeof *m);
+  m->centre = c;
+  m->velocity = g;
+  for (uint32_t p = first; p < end; ++p) {
+    const int32_t at[3] = {away(w->x[p], c.x, 11), away(w->y[p], c.y, 11), away(w->z[p], c.z, 11)};
+    const int32_t speed[3] = {away(w->vx[p], g.x, 12), away(w->vy[p], g.y, 12),
+                              away(w->vz[p], g.z, 12)};
+    const int32_t mass = weight(w, p);
+    for (uint32_t n = 0; n < 3; ++n) {
+      const uint32_t k = (n + 1u) % 3u;
+      const uint32_t l = (n + 2u) % 3u;
+      m->inertia[n] += (fx_mul_wide(at[k], at[k]) + fx_mul_wide(at[l], at[l])) * mass;
+      m->inertia[5u - n] -= fx_mul_wide(at[k], at[l]) * mass; /* 3 xy, 4 xz, 5 yz */
+      m->momentum[n] += (fx_mul_wide(at[k], speed[l]) - fx_mul_wide(at[l], speed[k])) * mass;
+    }
+  }
+}
+
 __attribute__((noinline)) static void damp_relative(fray_world *w, uint32_t first, uint32_t end) {
   sweep_motion m;
-  wide_turning(w->kernel, &m, w->x, w->y, w->z, w->vx, w->vy, w->vz, first, end);
+  if (end == (uint32_t)w->params->particles)
+    wide_turning(w->kernel, &m, w->x, w->y, w->z, w->vx, w->vy, w->vz, first, end);
+  else
+    weighed_turning(w, &m, first, end);
   solve_turn(m.inertia, m.momentum, m.turn);
   wide_follow(w->kernel, &m, w->params->relative_damping, w->x, w->y, w->z, w->vx, w->vy, w->vz,
               first, end);
@@ -55,7 +102,7 @@ __attribute__((noinline)) static void damp_relative(fray_world *w, uint32_t firs
 
 void damp_whole(fray_world *w) {
   const uint32_t first = (uint32_t)w->params->held;
-  const uint32_t end = (uint32_t)w->params->particles;
+  const uint32_t end = w->particles;
   if (first != end && w->params->relative_damping != 0) damp_relative(w, first, end);
 }
 
@@ -69,5 +116,5 @@ void damp_part(fray_world *w, uint32_t first, uint32_t end) {
 
 void damp_run(fray_world *w) {
   damp_whole(w);
-  damp_part(w, (uint32_t)w->params->held, (uint32_t)w->params->particles);
+  damp_part(w, (uint32_t)w->params->held, w->particles);
 }

@@ -2,6 +2,7 @@
 /* Velocities take over what projections and collisions did to the positions, then are
  * manipulated where particles touch bodies (Metaaphanon 2009, section 4, step 8, after Mueller
  * et al. 2007: a touching particle keeps no velocity away from the body that the push gave it). */
+#include "rt/model/couples.h"
 #include "rt/stage/stage.h"
 #include "rt/wide/wide.h"
 
@@ -17,10 +18,12 @@ static void settle_contact(fray_world *w, const contact *c) {
                              fx_saturate((int64_t)w->vz[p] - bv[2]));
   const int32_t speed = vec_dot_unit(away, c->normal);
   if (speed <= 0) return;
-  const vec3 lost = vec_scale_unit(c->normal, speed);
-  w->vx[p] = slowed(w->vx[p], lost.x);
-  w->vy[p] = slowed(w->vy[p], lost.y);
-  w->vz[p] = slowed(w->vz[p], lost.z);
+  /* a light particle loses an even speed, so that its momentum is a whole number too */
+  const int32_t light = world_has_yarns(w) && couple_is_light(w, p) ? 2 : 1;
+  const vec3 lost = vec_scale_unit(c->normal, speed / light);
+  w->vx[p] = slowed(w->vx[p], lost.x * light);
+  w->vy[p] = slowed(w->vy[p], lost.y * light);
+  w->vz[p] = slowed(w->vz[p], lost.z * light);
   body_gave(&w->motion[c->body], -(int64_t)lost.x, -(int64_t)lost.y, -(int64_t)lost.z);
 }
 
@@ -65,7 +68,7 @@ void finish_contacts(fray_world *w, uint32_t first, uint32_t end) {
 }
 
 void finish_run(fray_world *w) {
-  finish_part(w, (uint32_t)w->params->held, (uint32_t)w->params->particles);
+  finish_part(w, (uint32_t)w->params->held, w->particles);
   finish_contacts(w, 0, w->contact_count);
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
     if (w->bodies[b].motion == FRAY_FREE) push_body(w, b);

@@ -110,5 +110,5 @@ void predict_part(fray_world *w, uint32_t first, uint32_t end) {
 void predict_run(fray_world *w, uint32_t substep) {
   predict_begin(w, substep);
   predict_held(w);
-  predict_part(w, (uint32_t)w->params->held, (uint32_t)w->params->particles);
+  predict_part(w, (uint32_t)w->params->held, w->particles);
 }

@@ -24,6 +24,12 @@ void report_end(fray_world *w, uint64_t found, fray_output *output) {
   output->cuts_waiting = w->cuts_waiting;
   output->cut_first = w->cut_first;
   output->cuts_total = (uint32_t)s->cuts_total;
+  if (world_has_yarns(w)) {
+    output->splits_waiting = (uint32_t)w->yarn_state->wanted;
+    output->couples_connected = (uint32_t)w->yarn_state->connected;
+    output->couples_loose = (uint32_t)w->yarn_state->loose;
+    output->couples_disconnected = (uint32_t)w->yarn_state->disconnected;
+  }
   output->work = w->work;
 }
 

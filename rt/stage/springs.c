@@ -77,10 +77,34 @@ __attribute__((noinline)) static void give_body(fray_world *w, uint32_t i, const
   body_gave(&w->motion[w->grip_body[i]], -(int64_t)dv->x, -(int64_t)dv->y, -(int64_t)dv->z);
 }
 
+static inline vec3 times(vec3 v, int32_t weight) {
+  return vec_make(v.x * weight, v.y * weight, v.z * weight);
+}
+
+/* A light end gains twice the velocity from the same impulse. */
+__attribute__((noinline)) static void run_light(fray_world *w, spring_view s, uint32_t row,
+                                                int32_t held) {
+  const uint32_t kind = s.kind[row];
+  const uint32_t i = s.i[row];
+  const uint32_t j = s.j[row];
+  vec3 dv;
+  if (!spring_impulse(&s, i, j, &s.classes[kind & ROW_CLASS], &dv)) return;
+  const vec3 of_i = times(dv, (kind & ROW_UP_I) != 0 ? 2 : 1);
+  const vec3 of_j = times(dv, (kind & ROW_UP_J) != 0 ? 2 : 1);
+  push(&s, j, -of_j.x, -of_j.y, -of_j.z);
+  if (held == BATCH_HELD)
+    give_body(w, i, &dv);
+  else
+    push(&s, i, of_i.x, of_i.y, of_i.z);
+}
+
 static void run_rows(fray_world *w, spring_view s, uint32_t first, uint32_t end, int32_t held) {
   for (uint32_t row = first; row < end; ++row) {
-    const uint32_t kind = s.kind[row];
-    if (kind == ROW_DEAD) continue;
+    const int32_t kind = (int8_t)s.kind[row];
+    if (kind <= ROW_DEAD) {
+      if (kind != ROW_DEAD) run_light(w, s, row, held);
+      continue;
+    }
     const uint32_t i = s.i[row];
     const uint32_t j = s.j[row];
     vec3 dv;
@@ -110,8 +134,7 @@ void springs_part(fray_world *w, uint32_t b, uint32_t first, uint32_t end) {
 }
 
 void springs_run(fray_world *w) {
-  const uint32_t last = (uint32_t)w->params->link_batches + (uint32_t)w->params->bend_batches +
-                        (uint32_t)w->params->shear_batches;
+  const uint32_t last = w->capacity[POOL_BATCHES];
   uint32_t b = (uint32_t)w->params->link_batches;
   while (b < last) {
     const uint32_t begun = b;

@@ -15,10 +15,13 @@ void collide_gather(fray_world *w);                       /* who may touch what 
 /* Each substep. */
 void predict_run(fray_world *w, uint32_t substep);
 void strain_run(fray_world *w);
+void slip_run(fray_world *w); /* loose couples keep the cloth's thickness apart */
 void collide_run(fray_world *w);
 void finish_run(fray_world *w);
 
 /* Once a tick, in the last substep, between collisions and velocities. */
+void transition_run(fray_world *w); /* what is strained or comes apart wants to be split */
+void split_run(fray_world *w);      /* and is */
 void tear_run(fray_world *w); /* finds springs over their threshold */
 uint32_t tear_worst(const fray_world *w); /* of them, the farthest over: canonical id */
 void cut_run(fray_world *w);  /* cuts them and releases what hung on them */

@@ -55,10 +55,11 @@ static inline uint32_t squared_length(vec3 d, vec3 hi) {
   return (uint32_t)fx_wrap_add((int32_t)n, fx_asr(cross, LINK_SHIFT - 1));
 }
 
-/* f * d from i to j, 2^(20 - LINK_SHIFT) for one step of a position. Inlined by order: compilers
- * for small targets would pass it through memory. */
+/* f * d from i to j, 2^(20 - LINK_SHIFT) for one step of a position; `share` of it, Q12. Inlined by
+ * order: compilers for small targets would pass it through memory. */
 __attribute__((always_inline)) static inline vec3 correction(const link_view *s, uint32_t i,
-                                                             uint32_t j, const link_class *c) {
+                                                             uint32_t j, const link_class *c,
+                                                             int32_t share) {
   const vec3 d = vec_make(fx_sub(s->x[j], s->x[i]), fx_sub(s->y[j], s->y[i]),
                           fx_sub(s->z[j], s->z[i]));
   vec3 hi = vec_make(coarse(d.x), coarse(d.y), coarse(d.z));
@@ -68,45 +69,65 @@ __attribute__((always_inline)) static inline vec3 correction(const link_view *s,
     hi = vec_make(fx_clamp(hi.x, -LINK_HI_MAX, LINK_HI_MAX), fx_clamp(hi.y, -LINK_HI_MAX, LINK_HI_MAX),
                   fx_clamp(hi.z, -LINK_HI_MAX, LINK_HI_MAX));
   }
-  const int32_t f = projection_factor((int32_t)n - c->r2, c);
+  int32_t f = projection_factor((int32_t)n - c->r2, c);
+  if (share != 4096) f = fx_asr(fx_mul(f, share) + (1 << 11), 12);
   return vec_make(fx_mul(hi.x, f), fx_mul(hi.y, f), fx_mul(hi.z, f));
 }
 
-/* Both ends move by half: equal and opposite. */
-static inline void move_both(int32_t *restrict x, uint32_t i, uint32_t j, int32_t product) {
+/* Both ends move by half: equal and opposite; a light end by twice that. */
+static inline void move_both(int32_t *restrict x, uint32_t i, uint32_t j, int32_t product,
+                             int32_t weight_i, int32_t weight_j) {
   const int32_t c = fx_round(product, 20 - LINK_SHIFT);
-  x[i] = fx_add(x[i], c);
-  x[j] = fx_sub(x[j], c);
+  x[i] = fx_add(x[i], c * weight_i);
+  x[j] = fx_sub(x[j], c * weight_j);
+}
+
+/* One end has half the mass of the other: it takes two thirds, the other one third. The correction
+ * is computed once, so momentum is kept to the last bit here too. Rare, so out of the way. */
+__attribute__((noinline)) static void project_light(link_view s, uint32_t row) {
+  const uint32_t kind = s.kind[row];
+  const uint32_t i = s.i[row];
+  const uint32_t j = s.j[row];
+  const int32_t weight_i = (kind & ROW_UP_I) != 0 ? 2 : 1;
+  const int32_t weight_j = (kind & ROW_UP_J) != 0 ? 2 : 1;
+  const vec3 c = correction(&s, i, j, &s.classes[kind & ROW_CLASS], LINK_THIRD);
+  move_both(s.x, i, j, c.x, weight_i, weight_j);
+  move_both(s.y, i, j, c.y, weight_i, weight_j);
+  move_both(s.z, i, j, c.z, weight_i, weight_j);
 }
 
 static void project_free(link_view s, uint32_t first, uint32_t end) {
   for (uint32_t row = first; row < end; ++row) {
-    const uint32_t kind = s.kind[row];
-    if (kind == ROW_DEAD) continue;
+    const int32_t kind = (int8_t)s.kind[row];
+    if (kind <= ROW_DEAD) {
+      if (kind != ROW_DEAD) project_light(s, row);
+      continue;
+    }
     const uint32_t i = s.i[row];
     const uint32_t j = s.j[row];
-    const vec3 c = correction(&s, i, j, &s.classes[kind]);
-    move_both(s.x, i, j, c.x);
-    move_both(s.y, i, j, c.y);
-    move_both(s.z, i, j, c.z);
+    const vec3 c = correction(&s, i, j, &s.classes[kind], 4096);
+    move_both(s.x, i, j, c.x, 1, 1);
+    move_both(s.y, i, j, c.y, 1, 1);
+    move_both(s.z, i, j, c.z, 1, 1);
   }
 }
 
-/* End i is carried by a body: end j takes the whole correction, the body gave the momentum. */
+/* End i is carried by a body: end j takes the whole correction, the body gave the momentum, half as
+ * much to a light end. */
 static void project_held(fray_world *w, link_view s, uint32_t first, uint32_t end) {
   for (uint32_t row = first; row < end; ++row) {
     const uint32_t kind = s.kind[row];
     if (kind == ROW_DEAD) continue;
     const uint32_t i = s.i[row];
     const uint32_t j = s.j[row];
-    const vec3 twice = correction(&s, i, j, &s.classes[kind]);
+    const vec3 twice = correction(&s, i, j, &s.classes[kind & ROW_CLASS], 4096);
+    const int64_t mass = (kind & ROW_LIGHT) != 0 ? 1 << (FX_SUB_BITS - 1) : 1 << FX_SUB_BITS;
     const vec3 c = vec_make(fx_round(twice.x, 19 - LINK_SHIFT), fx_round(twice.y, 19 - LINK_SHIFT),
                             fx_round(twice.z, 19 - LINK_SHIFT));
     s.x[j] = fx_sub(s.x[j], c.x);
     s.y[j] = fx_sub(s.y[j], c.y);
     s.z[j] = fx_sub(s.z[j], c.z);
-    body_gave(&w->motion[w->grip_body[i]], -(int64_t)c.x * (1 << FX_SUB_BITS),
-              -(int64_t)c.y * (1 << FX_SUB_BITS), -(int64_t)c.z * (1 << FX_SUB_BITS));
+    body_gave(&w->motion[w->grip_body[i]], -c.x * mass, -c.y * mass, -c.z * mass);
   }
 }
 

@@ -5,20 +5,24 @@
  * At most cuts_max are taken in a tick: those farthest over their threshold, ties by canonical
  * number. The others wait; they are tested again in the next tick, when the cuts around them may
  * have relieved them. */
+#include "rt/model/couples.h"
 #include "rt/stage/cuts.h"
 #include "rt/stage/stage.h"
 #include "rt/wide/wide.h"
 
-/* (rest * (1 + strain))^2, Q48 lu^2. A rest length is below 1/8 lu, a strain at most 4. */
-static uint64_t stretched_squared(int32_t rest, int32_t strain_q16) {
-  const uint32_t length =
-      (uint32_t)(fx_mul_wide_u((uint32_t)rest, 65536u + (uint32_t)strain_q16) >> 16);
-  return fx_mul_wide_u(length, length);
-}
-
 /* n / limit - 1 in Q16, for n > limit; limits are below 2^47. */
 static uint32_t excess_over(uint64_t n, uint64_t limit) {
   return fx_divide_wide(n - limit, (uint32_t)(limit >> 16) + 1u);
+}
+
+/* In worlds with yarns no spring is cut before its ends have split, where they can: held ones never
+ * do, nor do others once the spare particles are used up. */
+static int ends_have_split(const fray_world *w, uint32_t row) {
+  if (!world_has_yarns(w)) return 1;
+  const uint32_t held = (uint32_t)w->params->held;
+  const uint32_t i = w->row_i[row];
+  const uint32_t j = w->row_j[row];
+  return (i < held || couple_is_light(w, i)) && (j < held || couple_is_light(w, j));
 }
 
 void tear_part(fray_world *w, uint32_t first, uint32_t end) {
@@ -30,12 +34,12 @@ void tear_part(fray_world *w, uint32_t first, uint32_t end) {
     if (row == end) break;
     const uint32_t kind = w->row_class[row];
     if (kind == ROW_DEAD) continue;
-    const int32_t rest = w->links[kind].rest;
+    const int32_t rest = w->links[kind & ROW_CLASS].rest;
     const vec3 d = vec_sub(world_position(w, w->row_j[row]), world_position(w, w->row_i[row]));
     const uint64_t n = vec_squared(d);
-    if (n <= stretched_squared(rest, p->tear_min)) continue; /* no draw is below tear_min */
-    const uint64_t limit = stretched_squared(rest, world_threshold(w, row));
-    if (n <= limit) continue;
+    if (n <= link_stretched_squared(rest, p->tear_min)) continue; /* no draw is below tear_min */
+    const uint64_t limit = link_stretched_squared(rest, world_threshold(w, row));
+    if (n <= limit || !ends_have_split(w, row)) continue;
     const cut found = {row, excess_over(n, limit)};
     cuts_enlist(w, found);
   }

@@ -8,6 +8,7 @@
 
 enum {
   LINK_HI_MAX = 16383,
+  LINK_THIRD = 2731, /* 2/3 in Q12: of half a correction, where one end has half the mass */
   LINK_U_LEAST = -458752, /* -7/16 in Q20 */
   LINK_PSI_0 = 16384,     /* 1/4 in Q16 */
   LINK_PSI_1 = -12648,    /* -0.193 */

@@ -74,10 +74,28 @@ LANES_INLINE void pairs_put_j(const pairs *p, int32_t *to, lanes v) {
 
 /* One word of the rows' classes. */
 LANES_INLINE lanes pairs_class(const pairs *p, const int32_t *words, uint32_t words_a_class) {
-  if (p->one_class) return lanes_all(words[p->kind * words_a_class]);
+  if (p->one_class) return lanes_all(words[(p->kind & ROW_CLASS) * words_a_class]);
   uint32_t at[LANES];
-  for (int n = 0; n < LANES; ++n) at[n] = p->kinds[n] * words_a_class;
+  for (int n = 0; n < LANES; ++n) at[n] = (p->kinds[n] & ROW_CLASS) * words_a_class;
   return lanes_of(words, at);
+}
+
+/* Whether any row has a light end. */
+LANES_INLINE int pairs_light(const pairs *p) {
+  if (p->one_class) return (p->kind & ROW_LIGHT) != 0;
+  uint32_t all = 0;
+  for (int n = 0; n < LANES; ++n) all |= p->kinds[n];
+  return (all & ROW_LIGHT) != 0;
+}
+/* Those whose kind has the bit, of rows of many kinds. */
+LANES_INLINE lane_mask pairs_with(const pairs *p, int32_t bit) {
+  const lanes kinds = lanes_load((const int32_t *)p->kinds);
+  return lanes_above(lanes_and(kinds, lanes_all(bit)), lanes_all(0));
+}
+/* v, doubled where the rows have this end light. `up`: ROW_UP_I or ROW_UP_J. */
+LANES_INLINE lanes pairs_weighted(const pairs *p, lanes v, int32_t up) {
+  if (p->one_class) return (p->kind & (uint32_t)up) != 0 ? lanes_add(v, v) : v;
+  return lanes_add(v, lanes_keep(pairs_with(p, up), v));
 }
 
 /* `half` is half of 2^s */

@@ -29,6 +29,13 @@ LANES_INLINE lanes project_upper(lanes way, const link_words *k) {
   return lanes_max(lanes_min(rounded, lanes_word(&k->hi_most)), lanes_word(&k->hi_least));
 }
 
+/* Where one of the ends is light. */
+LANES_INLINE lanes project_third(const pairs *p, lanes f) {
+  const lanes part =
+      lanes_asr(lanes_add(lanes_mul(f, lanes_all(LINK_THIRD)), lanes_all(1 << 11)), 12);
+  return p->one_class ? part : lanes_pick(pairs_with(p, ROW_LIGHT), part, f);
+}
+
 LANES_INLINE void project_pairs(const void *view, const pairs *p) {
   const link_view *s = (const link_view *)view;
   const link_words *k = &wide_link_words;
@@ -42,13 +49,15 @@ LANES_INLINE void project_pairs(const void *view, const pairs *p) {
   const lanes n_max = pairs_class(p, &s->classes->n_max, LINK_CLASS_WORDS);
   /* what is clamped comes out above n_max, whatever stands in its low bits */
   const lanes n = lanes_min(lanes_add(n_hi, lanes_asr(cross, LINK_SHIFT - 1)), n_max);
-  const lanes f = project_factor(n, p, s->classes, k);
+  lanes f = project_factor(n, p, s->classes, k);
+  const int light = pairs_light(p);
+  if (light) f = project_third(p, f);
   LANES_UNROLLED
   for (int a = 0; a < 3; ++a) {
     const lanes c =
         lanes_round_with(lanes_mul(hi[a], f), lanes_word(&k->step_half), 20 - LINK_SHIFT);
-    pairs_put_i(p, at[a], lanes_add(i[a], c));
-    pairs_put_j(p, at[a], lanes_sub(j[a], c));
+    pairs_put_i(p, at[a], lanes_add(i[a], light ? pairs_weighted(p, c, ROW_UP_I) : c));
+    pairs_put_j(p, at[a], lanes_sub(j[a], light ? pairs_weighted(p, c, ROW_UP_J) : c));
   }
 }
 

@@ -59,12 +59,15 @@ LANES_INLINE void push_pairs(const void *view, const pairs *p) {
       lanes_round(lanes_mul(share, pairs_class(p, &c->pull, SPRING_CLASS_WORDS)), 14);
   const lanes scale = pairs_class(p, &c->scale, SPRING_CLASS_WORDS);
   const lanes scale_half = push_half(scale);
+  const int light = pairs_light(p);
   LANES_UNROLLED
   for (int a = 0; a < 3; ++a) {
     const lanes dv = lanes_clamp(push_round_by(lanes_mul(d[a], pull), scale_half, scale),
                                  SPRING_DV_MAX);
-    pairs_put_i(p, speed[a], lanes_add(pairs_fetch_i(p, speed[a]), dv));
-    pairs_put_j(p, speed[a], lanes_sub(pairs_fetch_j(p, speed[a]), dv));
+    const lanes of_i = light ? pairs_weighted(p, dv, ROW_UP_I) : dv;
+    const lanes of_j = light ? pairs_weighted(p, dv, ROW_UP_J) : dv;
+    pairs_put_i(p, speed[a], lanes_add(pairs_fetch_i(p, speed[a]), of_i));
+    pairs_put_j(p, speed[a], lanes_sub(pairs_fetch_j(p, speed[a]), of_j));
   }
 }
 

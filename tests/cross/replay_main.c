@@ -50,6 +50,10 @@ static uint32_t digest_outputs(const fray_output *o) {
                             w->tear_tests,  w->cuts};
   uint32_t d = 2166136261u;
   for (uint32_t n = 0; n < sizeof words / sizeof words[0]; ++n) d = digest(d, words[n]);
+  const uint32_t yarns[] = {o->splits_waiting, o->couples_connected, o->couples_loose,
+                            o->couples_disconnected, w->transitions, w->splits, w->slips};
+  for (uint32_t n = 0; n < sizeof yarns / sizeof yarns[0] && w->transitions != 0; ++n)
+    d = digest(d, yarns[n]);
   for (uint32_t h = 0; h < FRAY_HANDS; ++h)
     for (uint32_t n = 0; n < 3; ++n) {
       d = digest(d, (uint32_t)o->force[h][n]);

@@ -149,7 +149,8 @@ FIXTURE int fixture_within(const fray_work *k, const fray_work *most) {
   return k->predictions <= most->predictions && k->projections <= most->projections &&
          k->springs <= most->springs && k->contacts <= most->contacts &&
          k->gathers <= most->gathers && k->tear_tests <= most->tear_tests &&
-         k->over <= most->over && k->cuts <= most->cuts;
+         k->over <= most->over && k->cuts <= most->cuts && k->slips <= most->slips &&
+         k->transitions <= most->transitions && k->splits <= most->splits;
 }
 
 FIXTURE fray_output fixture_tick(fixture *f, const fray_input *input) {
@@ -270,7 +271,7 @@ FIXTURE double fixture_energy(const fixture *f, double bend, double shear) {
   }
   for (uint32_t row = (uint32_t)p->links; row < w->capacity[POOL_ROWS]; ++row) {
     if (w->row_class[row] == ROW_DEAD) continue;
-    const spring_class *c = &w->springs[w->row_class[row]];
+    const spring_class *c = &w->springs[w->row_class[row] & ROW_CLASS];
     const double away = (fixture_length(w, row) - c->rest) * cm;
     if (c->compression_only != 0 && away > 0) continue;
     total += 0.5 * (c->compression_only != 0 ? shear : bend) * away * away;

@@ -230,7 +230,7 @@ static void names_what_is_wrong(void) {
               "found '1e18', expected -100000 to 100000 cm/s2 for 'gravity'");
   check_fails(START "limits { contact 3 }\n", 3, 10,
               "found 'contact', expected a key of limits: spare_particles, contacts, "
-              "cuts_per_tick");
+              "cuts_per_tick, splits_per_tick");
   check_fails(START "speed 3\n", 3, 1,
               "found 'speed', expected a key of the scene: scene, rate, substeps, sweeps, "
               "gravity, seed, settle, rest_strain, sheet, ball, box, bar, plane, pin, limits, hands");
@@ -272,7 +272,41 @@ static void checks_the_sheet(void) {
   check_fails("scene s\nsheet { warps 8\nball b { radius 1 cm }\n", 3, 1,
               "found 'ball' in the sheet; is the '{' of line 2 not closed? Its keys: warps, "
               "wefts, spacing, weave, density, thickness, structural, bend, shear, tear, at, "
-              "plane, gather, pleats, drag, damping");
+              "plane, gather, pleats, drag, damping, yarns, transition, loose, crimp, loose_by, "
+              "slip_grip, slip_friction");
+}
+
+static void reads_yarns(void) {
+  check_parses(IN_SHEET("tear 4 20 %"));
+  CHECK_EQ_INT(parsed.sheet.yarns, 0);
+  CHECK_EXACT(parsed.sheet.transition_min, 9, 250);
+  CHECK_EXACT(parsed.sheet.transition_max, 9, 50);
+  CHECK_EXACT(parsed.sheet.loose, 1, 50);
+  CHECK_EXACT(parsed.sheet.slip_friction, 0, 1);
+  CHECK_EXACT(parsed.sheet.slip_grip, 0, 1);
+  CHECK_EXACT(parsed.sheet.crimp, 0, 1);
+  CHECK_EQ_INT(parsed.sheet.loose_by_particles, 0);
+  CHECK_EQ_INT(parsed.limits.splits_per_tick, 32);
+  CHECK_EQ_INT(parsed.limits.spare_particles, 0);
+  check_parses(IN_SHEET("yarns on transition 3 4 % loose 0.3 mm loose_by particles slip_friction "
+                        "0.25 slip_grip 2 mN crimp 50 %"));
+  CHECK_EQ_INT(parsed.sheet.yarns, 1);
+  CHECK_EXACT(parsed.sheet.transition_min, 3, 100);
+  CHECK_EXACT(parsed.sheet.transition_max, 1, 25);
+  CHECK_EXACT(parsed.sheet.loose, 3, 100);
+  CHECK_EXACT(parsed.sheet.slip_friction, 1, 4);
+  CHECK_EXACT(parsed.sheet.slip_grip, 1, 500);
+  CHECK_EXACT(parsed.sheet.crimp, 1, 2);
+  CHECK_EQ_INT(parsed.sheet.loose_by_particles, 1);
+  CHECK_EQ_INT(parsed.limits.spare_particles, 48);
+  check_parses(IN_SHEET("yarns all") "limits { spare_particles 7 splits_per_tick 1 }\n");
+  CHECK_EQ_INT(parsed.sheet.yarns, 2);
+  CHECK_EQ_INT(parsed.limits.spare_particles, 7);
+  CHECK_EQ_INT(parsed.limits.splits_per_tick, 1);
+  check_fails(IN_SHEET("yarns some"), 3, 7, "found 'some', expected off, on or all for 'yarns'");
+  check_fails(IN_SHEET("transition 5 4 %"), 3, 1,
+              "found a least strain above the most, expected 'transition' to give the smaller one "
+              "first");
 }
 
 static void checks_bodies(void) {
@@ -386,6 +420,7 @@ int main(void) {
   TEST(accepts_odd_layout);
   TEST(names_what_is_wrong);
   TEST(checks_the_sheet);
+  TEST(reads_yarns);
   TEST(checks_bodies);
   TEST(refuses_odd_bytes);
   TEST(limits_what_it_holds);

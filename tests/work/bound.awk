@@ -4,7 +4,7 @@
 # cuts and the list of springs to cut, without the tests for tearing, which are test_part[case].
 function stages(    n, list) {
   n = split("fray_tick devices_run damp_run springs_run collide_gather predict_run strain_run " \
-            "collide_run tear_run cut_run finish_run force_run report_run", list, " ")
+            "slip_run collide_run transition_run split_run tear_run cut_run finish_run force_run report_run", list, " ")
   for (k = 1; k <= n; k++) name[k] = list[k]
   return n
 }
@@ -14,6 +14,7 @@ BEGIN { stage_count = stages() }
 function rounds(what) {
   if (what == "substeps") return substeps
   if (what == "sweeps") return sweeps * substeps
+  if (what == "yarns") return 0
   if (what == "batch_sweeps") return link_batches * sweeps * substeps
   if (what == "spring_batches") return spring_batches
   if (what == "springs") return most["springs"]
@@ -47,7 +48,7 @@ function rounds(what) {
   print "bound.awk: no count " what >"/dev/stderr"
   exit 2
 }
-function times(stage) { return stage ~ /^(predict|strain|collide|finish)_run$/ ? substeps : 1 }
+function times(stage) { return stage ~ /^(predict|strain|slip|collide|finish)_run$/ ? substeps : 1 }
 
 $1 == "fixed" { fixed[$2] = $3; next }
 $1 == "loop" { loops++; loop_stage[loops] = $2; loop_name[loops] = $3; loop_cost[loops] = $4; next }

@@ -7,8 +7,8 @@
 
 work=$FRAY_BUILD/work
 machines=${MACHINES:-m0 m3 m4f m7f m33 rv32}
-stages="devices_run damp_run springs_run collide_gather predict_run strain_run collide_run tear_run
-  cut_run finish_run force_run report_run"
+stages="devices_run damp_run springs_run collide_gather predict_run strain_run slip_run collide_run
+  transition_run split_run tear_run cut_run finish_run force_run report_run"
 mkdir -p "$work"
 
 cuts_of() { case $1 in 8) echo 2 ;; 16) echo 8 ;; *) echo 16 ;; esac; }

@@ -7,7 +7,8 @@
 
 #define TIMED_STAGES(X) \
   X(DEVICES, "devices") X(DAMP, "damp") X(SPRINGS, "springs") X(GATHER, "gather") \
-  X(PREDICT, "predict") X(STRAIN, "strain") X(COLLIDE, "collide") X(TEAR, "tear") \
+  X(PREDICT, "predict") X(STRAIN, "strain") X(SLIP, "slip") X(COLLIDE, "collide") \
+  X(TRANSITION, "transition") X(SPLIT, "split") X(TEAR, "tear") \
   X(CUT, "cut") X(FINISH, "finish") X(FORCE, "force") X(REPORT, "report and hash")
 
 typedef enum {

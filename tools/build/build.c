@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "rt/model/couples.h"
 #include "rt/model/image.h"
 #include "tools/build/draft.h"
 #include "tools/build/settle.h"
@@ -32,7 +33,7 @@ static int begin_draft(draft *d) {
   d->grid.warps = d->scene->sheet.warps;
   d->grid.wefts = d->scene->sheet.wefts;
   d->crossings = d->grid.warps * d->grid.wefts;
-  const size_t rows = weave_links(d->grid) + weave_bends(d->grid) + weave_shears(d->grid);
+  const size_t rows = weave_rows(d->grid) + weave_shears(d->grid);
   d->place = calloc(d->crossings, sizeof *d->place);
   d->holder = calloc(d->crossings, sizeof *d->holder);
   d->level = calloc(d->crossings, sizeof *d->level);
@@ -47,6 +48,10 @@ static int begin_draft(draft *d) {
   return 1;
 }
 
+static uint32_t all_rows(const draft *d) {
+  return d->family_rows[0] + d->family_rows[1] + d->family_rows[2] + d->family_rows[DRAFT_SHADOWS];
+}
+
 static void plan_capacity(const draft *d, uint32_t capacity[POOLS]) {
   const scene *s = d->scene;
   capacity[POOL_PARAMS] = 1;
@@ -54,14 +59,15 @@ static void plan_capacity(const draft *d, uint32_t capacity[POOLS]) {
   capacity[POOL_PARTICLES] = d->crossings + s->limits.spare_particles;
   capacity[POOL_HELD] = d->held;
   capacity[POOL_CROSSINGS] = d->crossings;
-  capacity[POOL_ROWS] = d->family_rows[0] + d->family_rows[1] + d->family_rows[2];
+  capacity[POOL_ROWS] = all_rows(d);
   capacity[POOL_BATCHES] = d->batch_count;
-  capacity[POOL_LINK_CLASSES] = 3;
-  capacity[POOL_SPRING_CLASSES] = 4;
+  capacity[POOL_LINK_CLASSES] = s->sheet.yarns != 0 ? CLASS_LINKS + 1 : CLASS_WARP + 1;
+  capacity[POOL_SPRING_CLASSES] = s->sheet.yarns != 0 ? CLASS_SHEAR_HALF + 1 : CLASS_SHEAR + 1;
   capacity[POOL_BODIES] = d->bodies;
   capacity[POOL_KEYS] = s->key_count;
   capacity[POOL_CONTACTS] = s->limits.has_contacts ? s->limits.contacts : d->crossings;
   capacity[POOL_CUTS] = s->limits.cuts_per_tick;
+  capacity[POOL_SPLITS] = s->sheet.yarns != 0 ? s->limits.splits_per_tick : 0;
 }
 
 /* The builder owns these tables: the only place that writes what rt/ holds constant. */
@@ -88,7 +94,7 @@ static void fill_particles(const draft *d, fray_world *w) {
 static void fill_rows(const draft *d, fray_world *w) {
   const uint32_t bends_from = d->family_rows[FRAY_STRUCTURAL];
   const uint32_t shears_from = bends_from + d->family_rows[FRAY_BEND];
-  for (uint32_t row = 0; row < d->family_rows[0] + d->family_rows[1] + d->family_rows[2]; ++row) {
+  for (uint32_t row = 0; row < all_rows(d); ++row) {
     const draft_row *r = &d->rows[row];
     uint32_t a;
     uint32_t b;
@@ -97,7 +103,9 @@ static void fill_rows(const draft *d, fray_world *w) {
     w->row_j[row] = (row_id)r->j;
     /* where warps lie as close as wefts both have one class, and go side by side in wide kernels */
     const int along_warp = a / d->grid.warps != b / d->grid.warps;
-    w->row_class[row] = row >= shears_from ? 3 : along_warp && d->spacing[0] != d->spacing[1] ? 2 : 1;
+    w->row_class[row] = row >= shears_from                                  ? CLASS_SHEAR
+                        : along_warp && d->spacing[0] != d->spacing[1] ? CLASS_WARP
+                                                                         : CLASS_WEFT;
     WRITABLE(row_id, w->home)[row] = (row_id)r->canonical;
     WRITABLE(row_id, w->row_of)[r->canonical] = (row_id)row;
   }
@@ -145,6 +153,24 @@ static int fill_bodies(const draft *d, fray_world *w) {
   return 1;
 }
 
+/* Whole crossings, shadows not born; then, where all is yarn, couples of all that are free. */
+static int fill_yarns(const draft *d, fray_world *w) {
+  if (!world_has_yarns(w)) return 1;
+  if (!draft_yarns(d, WRITABLE(yarn_params, w->yarns))) return 0;
+  for (uint32_t c = 0; c < d->crossings; ++c) {
+    w->warp_at[c] = w->crossing[c];
+    w->place[w->crossing[c]] = (row_id)c;
+  }
+  for (uint32_t row = all_rows(d) - d->family_rows[DRAFT_SHADOWS]; row < all_rows(d); ++row)
+    world_kill_row(w, row);
+  for (uint32_t c = 0; c < d->crossings && w->yarns->all_yarn != 0; ++c)
+    if (!couple_is_held(w, c) && !couple_split(w, c, FRAY_CONNECTED))
+      return draft_refuse(d, d->scene->sheet.line,
+                          "spare_particles: expected one for each free crossing of a sheet that is "
+                          "all yarn");
+  return 1;
+}
+
 static void begin_hash(fray_world *w) {
   const uint64_t now = world_hash(w);
   w->state->hash[0] = (int32_t)(uint32_t)(now & 0xFFFFFFFFu);
@@ -169,6 +195,8 @@ static int fill(draft *d, void **memory, fray_world **world) {
   if (!draft_params(d, WRITABLE(params, w->params)) ||
       !draft_classes(d, WRITABLE(link_class, w->links), WRITABLE(spring_class, w->springs)))
     return 0;
+  w->particles = d->crossings;
+  if (!fill_yarns(d, w)) return 0;
   w->state->mode = FRAY_READY;
   begin_hash(w);
   fray_error refused;
@@ -204,7 +232,7 @@ static void free_rest(settle_rest *rest) {
 
 /* The settled places become tick 0; paths and thrown bodies start where the scene says. */
 static void start_at_rest(fray_world *w, const settle_rest *rest) {
-  const uint32_t particles = (uint32_t)w->params->particles;
+  const uint32_t particles = w->particles;
   if (rest->particles[0] == NULL) return;
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
     for (uint32_t n = 0; n < 3 && w->bodies[b].motion == FRAY_FREE; ++n)

@@ -43,13 +43,13 @@ typedef struct {
   uint32_t bodies;           /* the scene's, and one anchor if it pins anything */
   body body[LIMIT_BODIES];
   draft_row *rows;
-  uint32_t family_rows[3];
+  uint32_t family_rows[4];   /* the last: shadows of the diagonals, of sheets with yarns */
   row_batch *batches;
-  uint32_t family_batches[3];
+  uint32_t family_batches[4];
   uint32_t batch_count;
 } draft;
 
-enum { DRAFT_FREE = 255 };
+enum { DRAFT_FREE = 255, DRAFT_SHADOWS = 3 };
 
 /* Each returns 1, or 0 with the error filled. */
 int draft_scale(draft *d);
@@ -59,6 +59,7 @@ int draft_order(draft *d);
 int draft_rows(draft *d);
 int draft_params(const draft *d, params *p);
 int draft_classes(const draft *d, link_class *links, spring_class *springs);
+int draft_yarns(const draft *d, yarn_params *y);
 
 /* Neighbours of a crossing: before and after it along its weft, along its warp; itself at the edge. */
 void draft_neighbours(const draft *d, uint32_t crossing, uint32_t near[4]);

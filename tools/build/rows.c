@@ -144,11 +144,16 @@ int draft_rows(draft *d) {
   d->family_rows[FRAY_STRUCTURAL] = weave_links(d->grid);
   d->family_rows[FRAY_BEND] = weave_bends(d->grid);
   d->family_rows[FRAY_SHEAR] = weave_shears(d->grid);
+  d->family_rows[DRAFT_SHADOWS] = d->scene->sheet.yarns != 0 ? d->family_rows[FRAY_SHEAR] : 0;
   uint32_t first = 0;
-  for (uint32_t family = 0; family < 3; ++family) {
+  for (uint32_t family = 0; family <= DRAFT_SHADOWS; ++family) {
     const uint32_t count = d->family_rows[family];
     const uint32_t batches_before = d->batch_count;
-    for (uint32_t n = 0; n < count; ++n) d->rows[first + n] = make_row(d, first + n);
+    const uint32_t above = family == DRAFT_SHADOWS ? d->family_rows[FRAY_SHEAR] : 0;
+    for (uint32_t n = 0; n < count; ++n) {
+      d->rows[first + n] = make_row(d, first + n - above);
+      d->rows[first + n].canonical += above;
+    }
     if (family == FRAY_STRUCTURAL) set_steps(d->rows + first, count);
     qsort(d->rows + first, count, sizeof *d->rows, compare_rows);
     find_singles(d->rows + first, count);

@@ -41,8 +41,10 @@ int draft_scale(draft *d) {
                          ? d->scene->sheet.warp_spacing
                          : d->scene->sheet.weft_spacing;
   const int line = d->scene->sheet.line;
+  const exact crimp = exact_mul(d->scene->sheet.thickness, exact_make(1, 2)); /* at most */
+  const exact longest = d->scene->sheet.yarns != 0 ? exact_add(wide, crimp) : wide;
   uint32_t n = 0;
-  while (n < 10 && exact_compare(exact_mul(wide, exact_make(10000, sizes_um[n])),
+  while (n < 10 && exact_compare(exact_mul(longest, exact_make(10000, sizes_um[n])),
                                  exact_make(LINK_UNITS_MAX, 1 << 16)) > 0)
     ++n;
   if (n == 10) return draft_refuse(d, line, "spacing: expected at most 6.2 mm between yarns");
@@ -186,6 +188,33 @@ int draft_params(const draft *d, params *p) {
          sheet_words(d, p) && hand_words(d, p);
 }
 
+int draft_yarns(const draft *d, yarn_params *y) {
+  const scene *s = d->scene;
+  /* F h^2 / m of both yarns, each of half a crossing: they part by 4 F h^2 / m; dyn from newtons */
+  const exact per_second = exact_make((int64_t)s->rate_hz * d->substeps, 1);
+  const exact dyn = exact_mul(s->sheet.slip_grip, exact_make(400000, 1));
+  const exact way = exact_div(exact_div(exact_div(dyn, d->particle_mass), per_second), per_second);
+  const exact grip = exact_mul(way, d->lu_per_cm);
+  y->all_yarn = s->sheet.yarns == 2;
+  y->loose_by_particles = s->sheet.loose_by_particles;
+  if (!word(d, "transition", s->sheet.transition_min, 16, 0, 1 << 18, &y->transition_min) ||
+      !word(d, "transition", s->sheet.transition_max, 16, 0, 1 << 18, &y->transition_max) ||
+      !word(d, "loose", exact_mul(s->sheet.loose, d->lu_per_cm), FX_POSITION_BITS, 1, 1 << 26,
+            &y->loose_max) ||
+      !word(d, "slip_grip", grip, FX_POSITION_BITS, 0, 1 << 24, &y->slip_grip) ||
+      !word(d, "slip_friction", s->sheet.slip_friction, 16, 0, 16 << 16, &y->slip_friction))
+    return 0;
+  if (exact_compare(s->sheet.loose, s->sheet.thickness) <= 0)
+    return draft_refuse(d, s->sheet.line, "loose: expected more than the thickness of the cloth, at "
+                        "which couples rest");
+  const exact spread = exact_sub(s->sheet.transition_max, s->sheet.transition_min);
+  if (exact_compare(s->sheet.transition_min, s->sheet.tear_min) >= 0 ||
+      exact_compare(spread, exact_sub(s->sheet.tear_max, s->sheet.tear_min)) > 0)
+    return draft_refuse(d, s->sheet.line, "transition: expected strains below those of 'tear', over a "
+                        "range that is no wider, so that every spring splits its ends before it tears");
+  return 1;
+}
+
 /* dv = k/m T h per length, with 16 bits. */
 static int make_spring(const draft *d, const char *key, exact k, int32_t rest,
                        int32_t compression_only, spring_class *c) {
@@ -212,16 +241,33 @@ static int push_share(const draft *d, int32_t *push) {
          word(d, "structural", share, 12, 0, 4096, push);
 }
 
+/* The rest length of a link that changes sides by `across`: the crimp's share, Q16, of the way that
+ * this is longer. */
+static int32_t crimped(int32_t spacing, int32_t across, int32_t share) {
+  const int64_t way =
+      (int64_t)exact_sqrt((uint64_t)((int64_t)spacing * spacing + (int64_t)across * across));
+  return (int32_t)(spacing + fx_round64((way - spacing) * share, 16));
+}
+
 int draft_classes(const draft *d, link_class *links, spring_class *springs) {
-  int32_t push;
-  if (!push_share(d, &push)) return 0;
+  int32_t push = 0;
+  int32_t thickness = 0;
+  int32_t crimp = 0;
+  if (!push_share(d, &push) || !draft_length(d, 0, d->scene->sheet.thickness, &thickness) || !word(d, "crimp", d->scene->sheet.crimp, 16, 0, 65536, &crimp))
+    return 0;
   for (uint32_t axis = 0; axis < 2; ++axis) {
-    links[1 + axis] = link_class_make(d->spacing[axis], push);
+    links[CLASS_WEFT + axis] = link_class_make(d->spacing[axis], push);
+    for (uint32_t halves = 1; halves < 3 && d->scene->sheet.yarns != 0; ++halves)
+      links[CLASS_WEFT + axis + halves * CLASS_CRIMP] =
+          link_class_make(crimped(d->spacing[axis], (int32_t)halves * (thickness / 2), crimp), push);
     if (!make_spring(d, "bend", d->scene->sheet.bend, 2 * d->spacing[axis], 0, &springs[1 + axis]))
       return 0;
   }
   const uint64_t diagonal2 = (uint64_t)((int64_t)d->spacing[0] * d->spacing[0]) +
                              (uint64_t)((int64_t)d->spacing[1] * d->spacing[1]);
-  return make_spring(d, "shear", d->scene->sheet.shear, (int32_t)exact_sqrt(diagonal2), 1,
-                     &springs[3]);
+  const int32_t diagonal = (int32_t)exact_sqrt(diagonal2);
+  if (!make_spring(d, "shear", d->scene->sheet.shear, diagonal, 1, &springs[CLASS_SHEAR])) return 0;
+  return d->scene->sheet.yarns == 0 ||
+         make_spring(d, "shear", exact_div(d->scene->sheet.shear, exact_make(2, 1)), diagonal, 1,
+                     &springs[CLASS_SHEAR_HALF]);
 }

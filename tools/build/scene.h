@@ -91,6 +91,15 @@ typedef struct {
     uint32_t pleats;      /* folds that take up what gather takes away, default 8 */
     exact drag;           /* 1/s, default 0.5 */
     exact damping;        /* 1/s towards the rigid motion of the whole sheet, default 0 */
+    int yarns;            /* 0 off (default), 1 on: crossings split where the cloth tears,
+                             2 all: every free crossing is split from tick 0 on */
+    int has_transition;
+    exact transition_min, transition_max; /* defaults 9/10 of tear_min and tear_max */
+    exact loose;          /* cm, default 0.02 */
+    int loose_by_particles; /* that distance is between the particles, default 0: between the yarns */
+    exact slip_friction;  /* default 0 */
+    exact slip_grip;      /* N that a crossing holds back by itself, default 0 */
+    exact crimp;          /* share of the yarns' waves that is in their rest length, default 0 */
   } sheet;
 
   scene_body bodies[SCENE_BODIES];
@@ -102,9 +111,10 @@ typedef struct {
 
   struct {
     int has_spare_particles, has_contacts;
-    uint32_t spare_particles; /* default 0 */
+    uint32_t spare_particles; /* default: with yarns as many as crossings, else 0 */
     uint32_t contacts;        /* default: as many as crossings */
     uint32_t cuts_per_tick;   /* default 16 */
+    uint32_t splits_per_tick; /* default 32 */
   } limits;
 
   struct {

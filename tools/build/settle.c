@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "platform/linux/cpu.h"
+#include "rt/model/couples.h"
 #include "tools/build/draft.h"
 #include "tools/build/settle.h"
 
@@ -26,7 +27,7 @@ static int64_t largest_elongation(const fray_world *w, const uint8_t *idle) {
     const uint32_t i = w->row_i[row];
     const uint32_t j = w->row_j[row];
     const vec3 d = vec_make(fx_sub(p.x[j], p.x[i]), fx_sub(p.y[j], p.y[i]), fx_sub(p.z[j], p.z[i]));
-    const int64_t rest = w->links[w->row_class[row]].rest;
+    const int64_t rest = w->links[w->row_class[row] & ROW_CLASS].rest;
     const int64_t rest2 = rest * rest;
     const uint64_t n = vec_squared(d);
     const int64_t bounded = n > (uint64_t)rest2 * 4u ? rest2 * 4 : (int64_t)n;
@@ -36,17 +37,19 @@ static int64_t largest_elongation(const fray_world *w, const uint8_t *idle) {
   return most;
 }
 
-/* Kinetic and potential energy of the free particles in units of m (lu/substep)^2, Q32. */
+/* Kinetic and potential energy of the free particles in units of m (lu/substep)^2, Q32; in sheets with
+ * yarns of half of m. */
 static int64_t energy(const fray_world *w) {
   const fray_facts f = fray_describe(w);
   int64_t total = 0;
-  for (uint32_t p = (uint32_t)w->params->held; p < (uint32_t)w->params->particles; ++p) {
+  for (uint32_t p = (uint32_t)w->params->held; p < w->particles; ++p) {
+    const int weight = world_has_yarns(w) && !couple_is_light(w, p) ? 2 : 1;
     const int64_t v[3] = {w->vx[p], w->vy[p], w->vz[p]};
     const int64_t at[3] = {w->x[p], w->y[p], w->z[p]};
     for (uint32_t n = 0; n < 3; ++n) {
-      total += fx_asr64(v[n], 12) * fx_asr64(v[n], 12) / 2;            /* Q16 squared */
+      total += weight * (fx_asr64(v[n], 12) * fx_asr64(v[n], 12) / 2); /* Q16 squared */
       const int64_t g = (int64_t)f.gravity[n] * 256 + (f.gravity_rest[n] >> 24); /* Q36 */
-      total -= fx_asr64(fx_asr64(at[n], 8) * g, 20);                 /* Q16 Q36 to Q32 */
+      total -= weight * fx_asr64(fx_asr64(at[n], 8) * g, 20);          /* Q16 Q36 to Q32 */
     }
   }
   return total;
@@ -78,7 +81,8 @@ static void run_trial(fray_world *w, const settle_plan *plan, uint8_t *idle, tri
   const uint32_t pull_y = fx_magnitude(w->params->gravity_y);
   const uint32_t pull_z = fx_magnitude(w->params->gravity_z);
   const int64_t pull = (int64_t)pull_x + pull_y + pull_z + 1;
-  const int64_t allowance = w->params->particles * (pull * (w->links[1].rest / 2) >> 20);
+  const int64_t allowance = (int64_t)w->params->particles * (world_has_yarns(w) ? 2 : 1) *
+                            (pull * (w->links[1].rest / 2) >> 20);
   for (uint32_t tick = 0; tick < plan->ticks; ++tick) {
     fray_tick(w, &nothing, &out);
     const int32_t strain = strain_of(largest_elongation(w, idle));
@@ -131,14 +135,14 @@ static void come_to_rest(fray_world *w, const settle_plan *plan, const uint8_t *
   }
   t->strain_q16 = 0;
   p->drag = drag;
-  const size_t bytes = (size_t)p->particles * sizeof(int32_t);
+  const size_t bytes = (size_t)w->particles * sizeof(int32_t);
   memset(w->vx, 0, bytes);
   memset(w->vy, 0, bytes);
   memset(w->vz, 0, bytes);
 }
 
 static int keep_rest(const fray_world *w, settle_rest *rest) {
-  const size_t bytes = (size_t)w->params->particles * sizeof(int32_t);
+  const size_t bytes = (size_t)w->particles * sizeof(int32_t);
   const int32_t *const axes[3] = {w->x, w->y, w->z};
   for (uint32_t n = 0; n < 3; ++n) {
     free(rest->particles[n]);

@@ -80,6 +80,33 @@ static int read_tear(parser *p, const block_key *key, void *target) {
   return 1;
 }
 
+/* yarns off, on or all. */
+static int read_yarns(parser *p, const block_key *key, void *target) {
+  static const char *const kinds[] = {"off", "on", "all"};
+  (void)key;
+  return value_read_choice(p, kinds, 3, &((scene *)target)->sheet.yarns);
+}
+
+static int read_loose_by(parser *p, const block_key *key, void *target) {
+  static const char *const kinds[] = {"yarns", "particles"};
+  (void)key;
+  return value_read_choice(p, kinds, 2, &((scene *)target)->sheet.loose_by_particles);
+}
+
+static int read_transition(parser *p, const block_key *key, void *target) {
+  scene *out = (scene *)target;
+  exact shares[2];
+  if (!value_read_exacts(p, &key->range, 2, shares)) return 0;
+  if (exact_compare(shares[0], shares[1]) > 0) {
+    return parser_fail(p, p->key_place, "found a least strain above the most, expected 'transition' "
+                                        "to give the smaller one first");
+  }
+  out->sheet.has_transition = 1;
+  out->sheet.transition_min = shares[0];
+  out->sheet.transition_max = shares[1];
+  return 1;
+}
+
 static int read_plane(parser *p, const block_key *key, void *target) {
   static const char *const planes[] = {"vertical", "horizontal"};
   int index;
@@ -107,6 +134,13 @@ static const block_key keys[] = {
     {"pleats", block_count, AT(pleats), {UNIT_NONE, "1", "256"}, 1, 0},
     {"drag", block_exacts, AT(drag), {UNIT_RATE, "0", "1000"}, 1, 0},
     {"damping", block_exacts, AT(damping), {UNIT_RATE, "0", "1000"}, 1, 0},
+    {"yarns", read_yarns, 0, {UNIT_NONE, "0", "0"}, 0, 0},
+    {"transition", read_transition, 0, {UNIT_SHARE, "0.1", "400"}, 2, 0},
+    {"loose", block_exacts, AT(loose), {UNIT_LENGTH, "0.0001", "1"}, 1, 0},
+    {"crimp", block_exacts, AT(crimp), {UNIT_SHARE, "0", "100"}, 1, 0},
+    {"loose_by", read_loose_by, 0, {UNIT_NONE, "0", "0"}, 0, 0},
+    {"slip_grip", block_exacts, AT(slip_grip), {UNIT_FORCE, "0", "1"}, 1, 0},
+    {"slip_friction", block_exacts, AT(slip_friction), {UNIT_NONE, "0", "16"}, 1, 0},
 };
 
 static const block_rule rule = {keys, sizeof keys / sizeof keys[0]};
