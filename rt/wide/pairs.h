@@ -88,13 +88,13 @@ LANES_INLINE int pairs_light(const pairs *p) {
   return (all & ROW_LIGHT) != 0;
 }
 /* Those whose kind has the bit, of rows of many kinds. */
-LANES_INLINE lane_mask pairs_with(const pairs *p, int32_t bit) {
+LANES_INLINE lane_mask pairs_with(const pairs *p, uint32_t bit) {
   const lanes kinds = lanes_load((const int32_t *)p->kinds);
-  return lanes_above(lanes_and(kinds, lanes_all(bit)), lanes_all(0));
+  return lanes_below_zero(lanes_shl(kinds, (unsigned)__builtin_clz(bit)));
 }
 /* v, doubled where the rows have this end light. `up`: ROW_UP_I or ROW_UP_J. */
-LANES_INLINE lanes pairs_weighted(const pairs *p, lanes v, int32_t up) {
-  if (p->one_class) return (p->kind & (uint32_t)up) != 0 ? lanes_add(v, v) : v;
+LANES_INLINE lanes pairs_weighted(const pairs *p, lanes v, uint32_t up) {
+  if (p->one_class) return (p->kind & up) != 0 ? lanes_add(v, v) : v;
   return lanes_add(v, lanes_keep(pairs_with(p, up), v));
 }
 
