@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Momentum is a ledger in integers. In a tick the sum of the free particles' velocities (Q28,
- * exact) changes by
+ * exact), each times its weight: 2 for a crossing, 1 for each yarn of a split one, changes by twice
  *
- *   gravity: particles * the gravity steps of its substeps (whole part and running remainder)
+ *   gravity: crossings * the gravity steps of its substeps (whole part and running remainder)
  *   bodies:  fray_body.impulse of every body
- *   drag:    of each velocity round(v * drag), taken first in the tick
+ *   drag:    of each velocity round(v * drag), by weight, taken first in the tick
  *
  * and by nothing else: projections, bend and shear springs give to one end what they take from the
  * other. Nothing is rounded between, so the residual must be exactly 0 as long as nothing
@@ -15,6 +15,7 @@
 #include "tests/lib/test.h"
 #include "tests/lib/world_fixture.h"
 
+#include "rt/model/couples.h"
 #include "rt/stage/stage.h"
 
 enum { TICKS = 300, SCENES_MAX = 64 };
@@ -41,12 +42,16 @@ typedef struct {
   int64_t axis[3];
 } ledger;
 
+static int64_t weight_of(const fray_world *w, uint32_t p) {
+  return world_has_yarns(w) && couple_is_light(w, p) ? 1 : 2;
+}
+
 static ledger momentum(const fray_world *w) {
   ledger sum = {{0, 0, 0}};
-  for (uint32_t p = (uint32_t)w->params->held; p < (uint32_t)w->params->particles; ++p) {
-    sum.axis[0] += w->vx[p];
-    sum.axis[1] += w->vy[p];
-    sum.axis[2] += w->vz[p];
+  for (uint32_t p = (uint32_t)w->params->held; p < w->particles; ++p) {
+    sum.axis[0] += weight_of(w, p) * w->vx[p];
+    sum.axis[1] += weight_of(w, p) * w->vy[p];
+    sum.axis[2] += weight_of(w, p) * w->vz[p];
   }
   return sum;
 }
@@ -60,10 +65,10 @@ static int64_t drag_of(int32_t v, int32_t share) {
 
 static ledger drag(const fray_world *w) {
   ledger sum = {{0, 0, 0}};
-  for (uint32_t p = (uint32_t)w->params->held; p < (uint32_t)w->params->particles; ++p) {
-    sum.axis[0] -= drag_of(w->vx[p], w->params->drag);
-    sum.axis[1] -= drag_of(w->vy[p], w->params->drag);
-    sum.axis[2] -= drag_of(w->vz[p], w->params->drag);
+  for (uint32_t p = (uint32_t)w->params->held; p < w->particles; ++p) {
+    sum.axis[0] -= weight_of(w, p) * drag_of(w->vx[p], w->params->drag);
+    sum.axis[1] -= weight_of(w, p) * drag_of(w->vy[p], w->params->drag);
+    sum.axis[2] -= weight_of(w, p) * drag_of(w->vz[p], w->params->drag);
   }
   return sum;
 }
@@ -97,10 +102,10 @@ static int64_t run_ledger(fixture *f, int64_t *moved, uint32_t *cuts, uint32_t *
     const ledger after = momentum(w);
     const int64_t particles = w->params->particles - w->params->held;
     for (uint32_t n = 0; n < 3; ++n) {
-      int64_t expected = particles * gravity(&f->facts, n, &phase[n]) + air.axis[n];
+      int64_t expected = 2 * particles * gravity(&f->facts, n, &phase[n]) + air.axis[n];
       for (uint32_t b = 0; b < f->facts.bodies; ++b) {
         const fray_body body_view = fray_view_body(w, b);
-        expected += body_view.impulse[n];
+        expected += 2 * body_view.impulse[n];
         if (llabs(body_view.impulse[n]) > *moved) *moved = llabs(body_view.impulse[n]);
       }
       const int64_t residual = llabs(after.axis[n] - before.axis[n] - expected);

@@ -19,7 +19,7 @@ enum {
   BATCH_ROWS_MOST = 70,
   ROWS_MOST = BATCHES_MOST * BATCH_ROWS_MOST,
   PARTICLES_MOST = HELD_MOST + 2 * BATCH_ROWS_MOST + 60,
-  CLASSES_MOST = 256,
+  CLASSES_MOST = LIMIT_CLASSES,
   CASES_A_CLASS = 64,
   CUTS_MOST = 5
 };
@@ -48,7 +48,7 @@ static uint64_t rows_asked = GUARDED_SLOW ? 1000000 : 10000000;
 /* ---- classes: all that validate.c lets through ---- */
 
 static void make_classes(sheet *s) {
-  s->classes = below(8) == 0 ? CLASSES_MOST : 2 + below(30);
+  s->classes = below(8) == 0 ? CLASSES_MOST : 2 + below(CLASSES_MOST - 2);
   /* dead rows have class 0, which may hold anything */
   s->links[0] = (link_class){between(1, INT32_MAX), between(1, INT32_MAX), between(1, INT32_MAX),
                              between(1, INT32_MAX), between(1, 4096)};
@@ -113,14 +113,20 @@ static uint32_t place_run(sheet *s, uint8_t *used, uint32_t row, uint32_t length
   return length;
 }
 
-static uint8_t live_kind(const sheet *s) { return (uint8_t)(1 + below(s->classes - 1)); }
+/* `light`: whether rows of the batch may have light ends. */
+static uint8_t live_kind(const sheet *s, int light) {
+  static const uint8_t ends[] = {0, ROW_LIGHT | ROW_UP_I, ROW_LIGHT | ROW_UP_J,
+                                 ROW_LIGHT | ROW_UP_I | ROW_UP_J};
+  return (uint8_t)((1 + below(s->classes - 1)) | (light ? ends[below(4)] : 0u));
+}
 
 static void make_batch(sheet *s, const row_batch *b) {
   uint8_t used[PARTICLES_MOST] = {0};
   const uint32_t end = (uint32_t)(b->first + b->count);
   const uint32_t runs = below(4);
   const uint32_t dead = below(4);
-  uint8_t kind = live_kind(s);
+  const int light = below(3) == 0;
+  uint8_t kind = live_kind(s, light);
   for (uint32_t p = 0; p < s->held; ++p) used[p] = 1;
   for (uint32_t row = (uint32_t)b->first; row < end;) {
     uint32_t length = below(4) < runs ? 1 + below(40) : 1;
@@ -129,7 +135,7 @@ static void make_batch(sheet *s, const row_batch *b) {
   }
   const uint32_t same_class = below(3); /* all, runs, none */
   for (uint32_t row = (uint32_t)b->first; row < end; ++row) {
-    if (same_class == 2 || (same_class == 1 && below(8) == 0)) kind = live_kind(s);
+    if (same_class == 2 || (same_class == 1 && below(8) == 0)) kind = live_kind(s, light);
     s->kind[row] = (dead == 1 && below(20) == 0) || (dead == 2 && below(2) == 0) ||
                    (dead == 3 && below(24) < 20 && same_class == 0) ? ROW_DEAD : kind;
   }
@@ -186,7 +192,7 @@ static void some_direction(double out[3]) {
 }
 
 static void place_row(sheet *s, uint32_t row, uint32_t ways) {
-  const uint32_t kind = s->kind[row];
+  const uint32_t kind = s->kind[row] & ROW_CLASS;
   const int32_t rest = s->stage == SPRINGS ? s->springs[kind].rest : s->links[kind].rest;
   const unsigned down = s->stage == SPRINGS ? (unsigned)s->springs[kind].down : LINK_SHIFT;
   double toward[3];

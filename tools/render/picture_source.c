@@ -58,8 +58,8 @@ static picture_body body_in_mm(const fray_body *b, float mm_per_q24) {
 
 /* The particles of a crossing's weft and warp: one and the same until it splits. */
 static void particles_at(const fray_world *world, uint32_t crossing, uint32_t at[AXES]) {
-  at[AXIS_WEFT] = fray_particle_at(world, crossing);
-  at[AXIS_WARP] = at[AXIS_WEFT];
+  at[AXIS_WEFT] = fray_particle_of(world, crossing, FRAY_WEFT);
+  at[AXIS_WARP] = fray_particle_of(world, crossing, FRAY_WARP);
 }
 
 static void read_crossing(picture_source *s, const fray_world *world, const fray_particles *p,
