@@ -112,7 +112,7 @@ enum {
   FRAY_FAULT_LEFT_WORLD = 1u << 4,    /* something was held back at the edge of the world */
   FRAY_FAULT_HALTED = 1u << 5,        /* HALT: the bus was lost, or an operator said so */
   FRAY_FAULT_SPARES_FULL = 1u << 6,   /* a crossing stays whole: raise `limits spare_particles` */
-  FRAY_FAULT_SPLITS_WAIT = 1u << 7    /* more crossings to split than `splits_per_tick` */
+  FRAY_FAULT_SPLITS_WAIT = 1u << 7    /* more crossings split or come apart than `splits_per_tick` */
 };
 
 typedef enum {

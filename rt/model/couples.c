@@ -154,7 +154,8 @@ static void split_diagonal(fray_world *w, uint32_t canonical, uint32_t c) {
 }
 
 static void split_rows(fray_world *w, uint32_t c) {
-  const weave_star star = weave_rows_at(world_weave(w), c);
+  weave_star star;
+  weave_rows_at(world_weave(w), c, &star);
   for (uint32_t n = 0; n < star.along_warp; ++n) {
     const uint32_t row = w->row_of[star.row[n]];
     if (n >= star.along_weft) rename_end(w, row, w->crossing[c], w->warp_at[c]);
@@ -199,7 +200,8 @@ void couple_change(fray_world *w, uint32_t c, fray_couple to) {
   ++*count_of(w, to);
   write_couple(w, c, (w->couple[c] & (uint32_t)COUPLE_WANTED) | to);
   if (to != FRAY_DISCONNECTED) return;
-  const weave_star star = weave_rows_at(world_weave(w), c);
+  weave_star star;
+  weave_rows_at(world_weave(w), c, &star);
   for (uint32_t n = star.along_warp; n < star.count; ++n) {
     world_kill_row(w, w->row_of[star.row[n]]);
     world_kill_row(w, w->row_of[star.row[n] + (uint32_t)w->params->shears]);

@@ -110,27 +110,26 @@ static void add_bends(weave w, uint32_t i, uint32_t j, uint32_t along_warp, weav
   if (at + 2u < ends) s->row[s->count++] = bend_number(w, i, j, along_warp);
 }
 
-weave_star weave_rows_at(weave w, uint32_t crossing) {
+void weave_rows_at(weave w, uint32_t crossing, weave_star *s) {
   const uint32_t i = crossing % w.warps;
   const uint32_t j = crossing / w.warps;
-  weave_star s = {{0}, 0, 0, 0};
+  s->along_weft = s->along_warp = s->count = 0;
   uint32_t next;
   for (uint32_t axis = 0; axis < 2u; ++axis) {
     for (uint32_t way = 2u * axis; way < 2u * axis + 2u; ++way)
-      if (weave_step(w, crossing, way, &next, &s.row[s.count])) ++s.count;
-    add_bends(w, i, j, axis, &s);
+      if (weave_step(w, crossing, way, &next, &s->row[s->count])) ++s->count;
+    add_bends(w, i, j, axis, s);
     if (axis == 0)
-      s.along_weft = s.count;
+      s->along_weft = s->count;
     else
-      s.along_warp = s.count;
+      s->along_warp = s->count;
   }
   for (uint32_t cell = 0; cell < 4u; ++cell) {
     const uint32_t left = cell & 1u;
     const uint32_t above = cell >> 1;
     if (i < left || j < above || i - left >= w.warps - 1u || j - above >= w.wefts - 1u) continue;
-    s.row[s.count++] = shear_number(w, i - left, j - above, left ^ above);
+    s->row[s->count++] = shear_number(w, i - left, j - above, left ^ above);
   }
-  return s;
 }
 
 weave_cross weave_cross_at(weave w, uint32_t crossing) {

@@ -52,7 +52,7 @@ typedef struct {
   uint32_t row[WEAVE_AT];
   uint32_t along_weft, along_warp, count; /* the first of the next kind */
 } weave_star;
-weave_star weave_rows_at(weave w, uint32_t crossing);
+void weave_rows_at(weave w, uint32_t crossing, weave_star *s);
 
 /* The next crossing along a yarn and the link that leads there; 0 at the end of the yarn.
  * way: 0 back and 1 on along the weft, 2 back and 3 on along the warp. */

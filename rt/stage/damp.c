@@ -50,14 +50,15 @@ static void solve_turn(int64_t i[6], int64_t l[3], int64_t turn[3]) {
 /* Twice a particle's mass. */
 static int32_t weight(const fray_world *w, uint32_t p) { return couple_is_light(w, p) ? 1 : 2; }
 
-__attribute__((noinline)) static int32_t weighed_mean(const fray_world *w, const int32_t *v, uint32_t first, uint32_t end) {
+__attribute__((noinline)) static int32_t weighed_mean(const fray_world *w, const int32_t *v,
+                                                      uint32_t first, uint32_t end) {
   int64_t sum = 0;
   int64_t mass = 0;
   for (uint32_t p = first; p < end; ++p) {
     sum += (int64_t)v[p] * weight(w, p);
     mass += weight(w, p);
   }
-  return (int32_t)(sum / (mass > 0 ? mass : 1));
+  return mass > 0 ? (int32_t)(sum / mass) : 0;
 }
 
 /* Positions to Q13, velocities to Q16. */
@@ -66,7 +67,8 @@ __attribute__((noinline)) static int32_t away(int32_t v, int32_t from, unsigned 
 }
 
 /* sweep_turning() of a sheet some of whose crossings have split. */
-__attribute__((noinline)) static void weighed_turning(const fray_world *w, sweep_motion *m, uint32_t first, uint32_t end) {
+__attribute__((noinline)) static void weighed_turning(const fray_world *w, sweep_motion *m,
+                                                      uint32_t first, uint32_t end) {
   const vec3 c = vec_make(weighed_mean(w, w->x, first, end), weighed_mean(w, w->y, first, end),
                           weighed_mean(w, w->z, first, end));
   const vec3 g = vec_make(weighed_mean(w, w->vx, first, end), weighed_mean(w, w->vy, first, end),

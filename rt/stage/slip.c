@@ -55,7 +55,8 @@ typedef struct {
 
 /* Closest points of two springs that begin r apart: how far along a and b, Q15; returns |gap|^2 in
  * coarse units. aa, ar, bb, br: their products with themselves and with r. */
-__attribute__((noinline)) static int32_t closest(const slip_star *star, uint32_t warp, uint32_t weft, int32_t *s, int32_t *t) {
+__attribute__((noinline)) static int32_t closest(const slip_star *star, uint32_t warp,
+                                                 uint32_t weft, int32_t *s, int32_t *t) {
   const vec3 r = star->apart;
   const vec3 a = star->way[warp];
   const vec3 b = star->way[weft];
@@ -80,7 +81,8 @@ __attribute__((noinline)) static int32_t closest(const slip_star *star, uint32_t
   return dot(gap, gap);
 }
 
-__attribute__((noinline)) static vec3 point_of(const fray_world *w, const slip_pair *pair, uint32_t first) {
+__attribute__((noinline)) static vec3 point_of(const fray_world *w, const slip_pair *pair,
+                                               uint32_t first) {
   const vec3 near = world_position(w, pair->p[first]);
   const vec3 way = vec_sub(world_position(w, pair->p[first + 1u]), near);
   const int32_t b = pair->b[first + 1u];
@@ -106,18 +108,22 @@ typedef struct {
   uint32_t last;    /* the end that makes up for what rounding left */
 } slip_weights;
 
-__attribute__((noinline)) static slip_weights weigh(const fray_world *w, const slip_pair *pair) {
-  slip_weights k = {{0, 0, 0, 0}, {0, 0, 0, 0}, 0, 0};
+/* Returns 0 iff nothing is free to move. */
+__attribute__((noinline)) static int weigh(const fray_world *w, const slip_pair *pair,
+                                           slip_weights *k) {
+  k->sum = 0;
+  k->last = 0;
   for (uint32_t n = 0; n < 4; ++n) {
-    k.ease[n] = ease_of(w, pair->p[n]);
-    k.sum += k.ease[n] * fx_asr(pair->b[n] * (pair->b[n] / 2), 14);
-    if (k.ease[n] * pair->b[n] > k.ease[k.last] * pair->b[k.last]) k.last = n;
+    k->ease[n] = ease_of(w, pair->p[n]);
+    k->sum += k->ease[n] * fx_asr(pair->b[n] * (pair->b[n] / 2), 14);
+    if (k->ease[n] * pair->b[n] > k->ease[k->last] * pair->b[k->last]) k->last = n;
   }
-  for (uint32_t n = 0; n < 4 && k.sum >= SLIP_ONE / 8; ++n) {
-    const int32_t ease = k.ease[n] != 0 ? k.ease[n] : 2;
-    k.share[n] = (int32_t)(((uint32_t)(pair->b[n] * ease) << 15) / (uint32_t)k.sum);
+  if (k->sum < SLIP_ONE / 8) return 0;
+  for (uint32_t n = 0; n < 4; ++n) {
+    const int32_t ease = k->ease[n] != 0 ? k->ease[n] : 2;
+    k->share[n] = (int32_t)(((uint32_t)(pair->b[n] * ease) << 15) / (uint32_t)k->sum);
   }
-  return k;
+  return 1;
 }
 
 /* num / den rounded, den > 0. */
@@ -147,8 +153,9 @@ static int32_t part(const slip_pair *pair, const slip_weights *k, int32_t by, in
   return apart;
 }
 
-__attribute__((noinline)) static void move_axis(fray_world *w, const slip_pair *pair, const slip_weights *k, int32_t *const at[3],
-                      int32_t by, uint32_t axis, int quiet) {
+__attribute__((noinline)) static void move_axis(fray_world *w, const slip_pair *pair,
+                                                const slip_weights *k, int32_t *const at[3],
+                                                int32_t by, uint32_t axis, int quiet) {
   int32_t moved[4];
   int32_t held[4];
   const int32_t apart = part(pair, k, by, moved, held);
@@ -170,8 +177,8 @@ __attribute__((noinline)) static void move_axis(fray_world *w, const slip_pair *
 }
 
 int slip_move(fray_world *w, const slip_pair *pair, vec3 by, int quiet) {
-  const slip_weights k = weigh(w, pair);
-  if (k.sum < SLIP_ONE / 8) return 0;
+  slip_weights k;
+  if (!weigh(w, pair, &k)) return 0;
   int32_t *const x[3] = {w->x, w->qx, w->vx};
   int32_t *const y[3] = {w->y, w->qy, w->vy};
   int32_t *const z[3] = {w->z, w->qz, w->vz};
@@ -181,24 +188,22 @@ int slip_move(fray_world *w, const slip_pair *pair, vec3 by, int quiet) {
   return 1;
 }
 
-__attribute__((noinline)) static slip_star look_around(const fray_world *w, uint32_t c) {
-  slip_star s;
-  s.warp = w->warp_at[c];
-  s.weft = w->crossing[c];
-  const vec3 at[2] = {world_position(w, s.weft), world_position(w, s.warp)};
-  s.apart = coarse_way(at[0], at[1]);
+__attribute__((noinline)) static void look_around(const fray_world *w, uint32_t c, slip_star *s) {
+  s->warp = w->warp_at[c];
+  s->weft = w->crossing[c];
+  const vec3 at[2] = {world_position(w, s->weft), world_position(w, s->warp)};
+  s->apart = coarse_way(at[0], at[1]);
   const weave_cross cross = weave_cross_at(world_weave(w), c);
   for (uint32_t way = 0; way < 4; ++way) {
     const uint32_t next = cross.next[way];
-    s.far[way] = NOBODY;
-    s.way[way] = vec_make(0, 0, 0);
+    s->far[way] = NOBODY;
+    s->way[way] = vec_make(0, 0, 0);
     if (next == c || w->row_class[w->row_of[cross.link[way]]] == ROW_DEAD) continue;
-    s.far[way] = way < 2 ? w->crossing[next] : w->warp_at[next];
-    s.way[way] = coarse_way(at[way / 2u], world_position(w, s.far[way]));
-    s.squared[way] = dot(s.way[way], s.way[way]);
-    s.towards[way] = dot(s.way[way], s.apart);
+    s->far[way] = way < 2 ? w->crossing[next] : w->warp_at[next];
+    s->way[way] = coarse_way(at[way / 2u], world_position(w, s->far[way]));
+    s->squared[way] = dot(s->way[way], s->way[way]);
+    s->towards[way] = dot(s->way[way], s->apart);
   }
-  return s;
 }
 
 /* The closest of up to four pairs; 0 where one yarn has no spring left here. */
@@ -212,14 +217,21 @@ static int find_pair(const slip_star *s, slip_pair *pair) {
       const int32_t n = closest(s, warp, weft, &on_warp, &on_weft);
       if (n >= least) continue;
       least = n;
-      *pair = (slip_pair){{s->warp, s->far[warp], s->weft, s->far[weft]},
-                          {SLIP_ONE - on_warp, on_warp, SLIP_ONE - on_weft, on_weft}};
+      pair->p[0] = s->warp;
+      pair->p[1] = s->far[warp];
+      pair->p[2] = s->weft;
+      pair->p[3] = s->far[weft];
+      pair->b[0] = SLIP_ONE - on_warp;
+      pair->b[1] = on_warp;
+      pair->b[2] = SLIP_ONE - on_weft;
+      pair->b[3] = on_weft;
     }
   return least != INT32_MAX;
 }
 
 int slip_closest(const fray_world *w, uint32_t c, slip_pair *pair) {
-  const slip_star star = look_around(w, c);
+  slip_star star;
+  look_around(w, c, &star);
   return find_pair(&star, pair);
 }
 
@@ -236,9 +248,23 @@ static vec3 side_of_warp(const fray_world *w, const slip_star *s, uint32_t c) {
                   sign * (fx_mul(a.x, b.y) - fx_mul(a.y, b.x)));
 }
 
-__attribute__((noinline)) static vec3 unit_of(vec3 v, uint64_t squared) {
+/* Out of line, as others here: small targets have no room for a copy wherever one is used. */
+__attribute__((noinline)) static vec3 unit_of(vec3 v, uint64_t squared, int32_t *length) {
   const fx_root root = fx_rsqrt(squared, FX_ROOT_FINE);
+  *length = (int32_t)fx_root_length(root);
   return vec_make(fx_root_unit(root, v.x), fx_root_unit(root, v.y), fx_root_unit(root, v.z));
+}
+
+__attribute__((noinline)) static vec3 scaled(vec3 unit, int32_t length) {
+  return vec_scale_unit(unit, length);
+}
+
+/* v, made shorter iff it is longer than `limit`. */
+static vec3 limited(vec3 v, int32_t limit) {
+  const uint64_t squared = vec_squared(v);
+  int32_t length;
+  if (squared <= fx_square(limit)) return v;
+  return scaled(unit_of(v, squared, &length), limit);
 }
 
 /* What a particle has moved in this substep: its step, and what projections have added. */
@@ -259,8 +285,8 @@ static vec3 friction(const fray_world *w, const slip_pair *pair, vec3 normal, in
   }
   const vec3 moved = vec_make(fx_saturate(fx_round64(sum[0], 15)), fx_saturate(fx_round64(sum[1], 15)),
                               fx_saturate(fx_round64(sum[2], 15)));
-  const vec3 slip = vec_sub(moved, vec_scale_unit(normal, vec_dot_unit(moved, normal)));
-  return vec_limited(slip, fx_saturate(w->yarns->slip_grip +
+  const vec3 slip = vec_sub(moved, scaled(normal, vec_dot_unit(moved, normal)));
+  return limited(slip, fx_saturate(w->yarns->slip_grip +
                                        (fx_mul_wide(pressed, w->yarns->slip_friction) >> 16)));
 }
 
@@ -277,42 +303,44 @@ static int is_through(const slip_star *s, vec3 gap, vec3 side) {
   return vec_squared(side) / 4u > (uint64_t)fx_mul_wide(dot(a, a) / 4, dot(b, b) / 4); /* sine 1/2 */
 }
 
-static void slide(fray_world *w, uint32_t c) {
+__attribute__((noinline)) static void slide(fray_world *w, uint32_t c) {
   slip_pair pair;
-  const slip_star star = look_around(w, c);
+  slip_star star;
+  look_around(w, c, &star);
   if (!find_pair(&star, &pair)) return;
   const int32_t thickness = w->params->thickness;
   const vec3 gap = slip_gap(w, &pair);
   const uint64_t squared = vec_squared(gap);
   const vec3 side = side_of_warp(w, &star, c);
-  if (squared < fx_square(thickness / 16 + 1)) {
-    const uint64_t area = vec_squared(side);
-    if (area != 0) slip_move(w, &pair, vec_scale_unit(unit_of(side, area), thickness / 4), 1);
-    return;
-  }
-  const fx_root root = fx_rsqrt(squared, FX_ROOT_FINE);
-  const vec3 normal = unit_of(gap, squared);
-  if (is_through(&star, gap, side)) {
-    slip_move(w, &pair, vec_scale_unit(normal, -thickness / 4), 1);
-    return;
-  }
-  const int32_t by = fx_clamp(thickness - (int32_t)fx_root_length(root), -thickness / 4, thickness / 4);
-  vec3 way = vec_scale_unit(normal, by);
-  if ((w->yarns->slip_friction | w->yarns->slip_grip) != 0)
+  const int32_t most = thickness / 4;
+  const int together = squared < fx_square(thickness / 16 + 1);
+  const vec3 from = vec_make(together ? side.x : gap.x, together ? side.y : gap.y,
+                             together ? side.z : gap.z);
+  const uint64_t area = together ? vec_squared(side) : squared;
+  if (area == 0) return;
+  int32_t length;
+  const vec3 normal = unit_of(from, area, &length);
+  const int through = !together && is_through(&star, gap, side);
+  const int quiet = together || through;
+  const int32_t by = together ? most : through ? -most : fx_clamp(thickness - length, -most, most);
+  vec3 way = scaled(normal, by);
+  if (!quiet && (w->yarns->slip_friction | w->yarns->slip_grip) != 0)
     way = vec_sub(way, friction(w, &pair, normal, (int32_t)fx_magnitude(by)));
-  slip_move(w, &pair, way, 0);
+  slip_move(w, &pair, way, quiet);
 }
 
 /* All-yarn sheets (section 6): the particles of a couple are bound to each other, a thickness apart. */
-static void bind(fray_world *w, uint32_t c) {
-  const slip_star star = look_around(w, c);
+__attribute__((noinline)) static void bind(fray_world *w, uint32_t c) {
+  slip_star star;
+  look_around(w, c, &star);
   const slip_pair pair = {{star.warp, star.warp, star.weft, star.weft}, {SLIP_ONE, 0, SLIP_ONE, 0}};
   const vec3 side = side_of_warp(w, &star, c);
   const uint64_t area = vec_squared(side);
   if (area == 0) return;
-  const vec3 wanted = vec_scale_unit(unit_of(side, area), w->params->thickness);
+  int32_t length;
+  const vec3 wanted = scaled(unit_of(side, area, &length), w->params->thickness);
   const vec3 by = vec_sub(wanted, slip_gap(w, &pair));
-  slip_move(w, &pair, vec_limited(by, w->params->thickness), 0);
+  slip_move(w, &pair, limited(by, w->params->thickness), 0);
 }
 
 void slip_run(fray_world *w) {

@@ -5,7 +5,7 @@
 #include "rt/model/couples.h"
 #include "rt/stage/stage.h"
 
-static void take(fray_world *w, uint32_t crossing) {
+__attribute__((noinline)) static void take(fray_world *w, uint32_t crossing) {
   couple_want(w, crossing, 0);
   if (couple_at(w, crossing) == FRAY_CONNECTED) {
     couple_change(w, crossing, FRAY_LOOSE);

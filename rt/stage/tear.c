@@ -17,8 +17,7 @@ static uint32_t excess_over(uint64_t n, uint64_t limit) {
 
 /* In worlds with yarns no spring is cut before its ends have split, where they can: held ones never
  * do, nor do others once the spare particles are used up. */
-static int ends_have_split(const fray_world *w, uint32_t row) {
-  if (!world_has_yarns(w)) return 1;
+__attribute__((noinline)) static int ends_have_split(const fray_world *w, uint32_t row) {
   const uint32_t held = (uint32_t)w->params->held;
   const uint32_t i = w->row_i[row];
   const uint32_t j = w->row_j[row];
@@ -39,7 +38,7 @@ void tear_part(fray_world *w, uint32_t first, uint32_t end) {
     const uint64_t n = vec_squared(d);
     if (n <= link_stretched_squared(rest, p->tear_min)) continue; /* no draw is below tear_min */
     const uint64_t limit = link_stretched_squared(rest, world_threshold(w, row));
-    if (n <= limit || !ends_have_split(w, row)) continue;
+    if (n <= limit || (world_has_yarns(w) && !ends_have_split(w, row))) continue;
     const cut found = {row, excess_over(n, limit)};
     cuts_enlist(w, found);
   }

@@ -4,7 +4,8 @@
  * than loose_max comes apart, and from it splitting spreads along both yarns, up to and including the
  * first crossing of the opposite weave. The spread ends where a yarn is cut or held.
  *
- * Here crossings are marked; split.c takes them, so many a tick, in order. */
+ * Here crossings are marked; split.c takes them, so many a tick, in order. No more than that come apart
+ * in a tick either, in the order in which they split; the others are found again in the next one. */
 #include "rt/model/couples.h"
 #include "rt/stage/slip.h"
 #include "rt/stage/stage.h"
@@ -21,19 +22,17 @@ static void want(fray_world *w, uint32_t crossing) {
 }
 
 static void want_around(fray_world *w, uint32_t crossing) {
+  const weave_cross around = weave_cross_at(world_weave(w), crossing);
   want(w, crossing);
-  for (uint32_t way = 0; way < 4; ++way) {
-    uint32_t next;
-    uint32_t link;
-    if (weave_step(world_weave(w), crossing, way, &next, &link)) want(w, next);
-  }
+  for (uint32_t way = 0; way < 4; ++way) want(w, around.next[way]);
 }
 
 static int is_cut(const fray_world *w, uint32_t link) {
   return w->row_class[w->row_of[link]] == ROW_DEAD;
 }
 
-static void spread(fray_world *w, uint32_t from) {
+__attribute__((noinline)) static void part_couple(fray_world *w, uint32_t from) {
+  couple_change(w, from, FRAY_DISCONNECTED);
   const int over = couple_warp_over(w, from);
   for (uint32_t way = 0; way < 4; ++way) {
     uint32_t at = from;
@@ -48,7 +47,7 @@ static void spread(fray_world *w, uint32_t from) {
   }
 }
 
-static void find_strained(fray_world *w) {
+__attribute__((noinline)) static void find_strained(fray_world *w) {
   const int32_t least = w->yarns->transition_min;
   const link_view view = {w->x, w->y, w->z, w->row_i, w->row_j, w->row_class, w->links};
   const uint32_t end = (uint32_t)w->params->links;
@@ -75,14 +74,19 @@ static int is_apart(const fray_world *w, uint32_t c, uint64_t bound) {
   return !slip_closest(w, c, &pair) || vec_squared(slip_gap(w, &pair)) > bound;
 }
 
-static void find_apart(fray_world *w) {
+__attribute__((noinline)) static void find_apart(fray_world *w) {
   const uint64_t bound = fx_square(w->yarns->loose_max);
+  uint32_t left = w->capacity[POOL_SPLITS];
   for (uint32_t p = (uint32_t)w->params->particles; p < w->particles; ++p) {
     const uint32_t c = w->place[p];
     if (couple_at(w, c) != FRAY_LOOSE) continue;
     if (!is_apart(w, c, bound)) continue;
-    couple_change(w, c, FRAY_DISCONNECTED);
-    spread(w, c);
+    if (left == 0) {
+      w->state->faults |= (int32_t)FRAY_FAULT_SPLITS_WAIT;
+      return;
+    }
+    --left;
+    part_couple(w, c);
   }
 }
 

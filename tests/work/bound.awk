@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 # bound.awk FILES: from the lines of longest.c (`fixed`, `loop`) and of limits.h (`limits`) the bound
 # of each case's tick: bound[case], bound[case, stage]; event_bound[case] is the part for contacts,
-# cuts and the list of springs to cut, without the tests for tearing, which are test_part[case].
+# cuts, splits and the list of springs to cut, without the tests for tearing, which are test_part[case].
 function stages(    n, list) {
   n = split("fray_tick devices_run damp_run springs_run collide_gather predict_run strain_run " \
-            "slip_run collide_run transition_run split_run tear_run cut_run finish_run force_run report_run", list, " ")
+            "slip_run collide_run transition_run split_run tear_run cut_run finish_run force_run " \
+            "report_run", list, " ")
   for (k = 1; k <= n; k++) name[k] = list[k]
   return n
 }
@@ -14,7 +15,22 @@ BEGIN { stage_count = stages() }
 function rounds(what) {
   if (what == "substeps") return substeps
   if (what == "sweeps") return sweeps * substeps
-  if (what == "yarns") return 0
+  if (what == "yarns" || what == "spares") return what == "yarns" ? yarns : spares
+  if (what == "slips") return slips
+  if (what == "binds") return all_yarn ? slips : 0
+  if (what == "splits") return splits
+  # a crossing is marked once in a tick, and unmarked where it is split
+  if (what == "marks") return yarns * (crossings + splits)
+  if (what == "crossings") return yarns * crossings
+  if (what == "strain_tests") return yarns * most["tear_tests"]
+  if (what == "spread_steps") return splits * (warps + wefts)
+  # a light and a whole end: a spare particle makes two light ones, of two links along each yarn
+  if (what == "light_links") return least(4 * spares * sweeps * substeps, most["projections"] - held_projections)
+  # of four bend springs, and four diagonals twice
+  if (what == "light_springs") return least(12 * spares, most["springs"])
+  if (what == "weighings") return yarns * damping
+  if (what == "weighed") return yarns * damping * (particles - held)
+  if (what == "axis_weighed") return 6 * yarns * damping * (particles - held)
   if (what == "batch_sweeps") return link_batches * sweeps * substeps
   if (what == "spring_batches") return spring_batches
   if (what == "springs") return most["springs"]
@@ -39,7 +55,7 @@ function rounds(what) {
   if (what == "once") return hands
   if (what == "mirrored") return mirrored ? most["tear_tests"] : 0
   if (what == "keys") return keys
-  if (what == "hash_words") return 6 * particles + 40 + 12 * bodies
+  if (what == "hash_words") return 6 * particles + 40 + 12 * bodies + 5 * yarns
   if (what == "hash_bytes") return 3 * particles
   if (what == "zeroed") return output_bytes + motion_bytes * bodies + 64
   if (what == "zeroed_words") return (output_bytes + motion_bytes * bodies) / 4 + 64
@@ -48,6 +64,7 @@ function rounds(what) {
   print "bound.awk: no count " what >"/dev/stderr"
   exit 2
 }
+function least(a, b) { return a < b ? a : b }
 function times(stage) { return stage ~ /^(predict|strain|slip|collide|finish)_run$/ ? substeps : 1 }
 
 $1 == "fixed" { fixed[$2] = $3; next }
@@ -61,16 +78,18 @@ $1 == "limits" {
   drag = $18; damping = $19; keys = $20; held_projections = $21
   strong = $22; springs_held = $33; paths = $34; mirrored = $35; hands = $36
   output_bytes = $23; motion_bytes = $24
+  yarns = $37; spares = $38; slips = $39; splits = $40; all_yarn = $41
+  warps = $3; wefts = $42; crossings = $3 * $42; particles += spares
   most["predictions"] = $25; most["projections"] = $26; most["springs"] = $27; most["contacts"] = $28
   most["gathers"] = $29; most["tear_tests"] = $30; most["cuts"] = $32
   depth = 0
   for (room = 2; room <= cuts_max; room *= 2) depth++
   for (k = 1; k <= stage_count; k++) bound[scene, name[k]] = fixed[name[k]] * times(name[k])
-  event_bound[scene] = fixed["cut_run"]
+  event_bound[scene] = fixed["cut_run"] + fixed["split_run"]
   for (k = 1; k <= loops; k++) {
     cost = loop_cost[k] * rounds(loop_name[k])
     bound[scene, loop_stage[k]] += cost
-    if (loop_name[k] == "contacts" || loop_name[k] == "cuts" || loop_name[k] ~ /_steps$/ && loop_stage[k] == "tear_run")
+    if (loop_name[k] == "contacts" || loop_name[k] == "cuts" || loop_name[k] ~ /_steps$/ && loop_stage[k] ~ /^(tear|transition)_run$/ || loop_name[k] == "splits")
       event_bound[scene] += cost
     if (loop_name[k] == "tear_tests") test_bound = cost
   }

@@ -24,7 +24,9 @@ static inline void limits_print(const char *name, const fray_world *w) {
   const params *p = w->params;
   const fray_work most = fray_limits(w);
   line l = line_begin("limits", name);
-  const int32_t batches = p->link_batches + p->bend_batches + p->shear_batches;
+  const int32_t batches = (int32_t)w->capacity[POOL_BATCHES];
+  const uint32_t yarns = world_has_yarns(w) != 0;
+  const uint32_t spares = yarns != 0 ? w->capacity[POOL_PARTICLES] - (uint32_t)p->particles : 0;
   uint32_t sorts[3] = {0, 0, 0}; /* driven, free, planes */
   uint32_t paths = 0;
   for (uint32_t b = 0; b < (uint32_t)p->bodies; ++b) {
@@ -35,7 +37,7 @@ static inline void limits_print(const char *name, const fray_world *w) {
   const uint32_t words[] = {(uint32_t)p->warps, (uint32_t)p->substeps, (uint32_t)p->sweeps,
                             (uint32_t)p->particles, (uint32_t)p->held, (uint32_t)p->links,
                             (uint32_t)p->bends, (uint32_t)p->shears, (uint32_t)p->link_batches,
-                            (uint32_t)(p->bend_batches + p->shear_batches), sorts[0], sorts[1],
+                            (uint32_t)(batches - p->link_batches), sorts[0], sorts[1],
                             sorts[2], (uint32_t)p->cuts_max, w->capacity[POOL_CONTACTS],
                             p->drag != 0, p->relative_damping != 0, w->capacity[POOL_KEYS],
                             limits_held_rows(w, 0, p->link_batches) *
@@ -45,7 +47,8 @@ static inline void limits_print(const char *name, const fray_world *w) {
                             most.predictions, most.projections, most.springs, most.contacts,
                             most.gathers, most.tear_tests, most.over, most.cuts,
                             limits_held_rows(w, p->link_batches, batches), paths,
-                            p->tear_mirrored != 0, p->hands != 0};
+                            p->tear_mirrored != 0, p->hands != 0, yarns, spares, most.slips, most.splits,
+                            yarns != 0 && w->yarns->all_yarn != 0, (uint32_t)p->wefts};
   for (uint32_t m = 0; m < sizeof words / sizeof words[0]; ++m) line_number(&l, words[m]);
   print_line(&l);
 }

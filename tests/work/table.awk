@@ -11,7 +11,7 @@ $1 == "tick" || $1 == "storm" {
   n = ++count[scene, phase]
   value[scene, phase, n] = total
   line[scene, phase, n] = substr($0, index($0, "|") + 2)
-  w = $5 " " $6 " " $7 " " $8 " " $9 " " $10 " " $11 " " $12
+  w = $5 " " $6 " " $7 " " $8 " " $9 " " $10 " " $11 " " $12 " " $13 " " $14 " " $15
   work[scene, phase, n] = w
 }
 $1 == "bend" || $1 == "shear" {
@@ -35,7 +35,11 @@ function place(scene, phase, share,    n, i, j, t, index_of) {
 }
 function stage_of(scene, phase, n, k,    part) {
   split(line[scene, phase, n], part, " ")
-  return part[k] + (k == 13 ? part[14] : 0)
+  return part[k] + (k == stage_count ? part[k + 1] : 0) # the hash is the report's
+}
+function spent(scene, phase, n, stage,    k) {
+  for (k = 1; name[k] != stage; k++) if (k > stage_count) exit 2
+  return stage_of(scene, phase, n, k)
 }
 function counted(scene, phase, n, k,    part) {
   split(work[scene, phase, n], part, " ")
@@ -57,7 +61,7 @@ END {
       top[ph] = wst[ph] ? value[c, ph, wst[ph]] : 0
     }
     worst = top["intact"]; if (top["torn"] > worst) worst = top["torn"]; if (top["storm"] > worst) worst = top["storm"]
-    plain = stage_of(c, "intact", m["intact"], 9)
+    plain = spent(c, "intact", m["intact"], "tear_run")
     events = event_bound[c] + test_part[c] - plain
     printf "  %-10s %8d %8s %8s %8s %8s %8s %8s %7.2f %6.1f%%\n", c, steps_of[c], kilo(med["intact"]), kilo(top["intact"]), kilo(med["torn"]), kilo(top["torn"]), kilo(top["storm"]), kilo(bound[c]), bound[c] / worst, 100 * events / bound[c]
     budget(c ".median", med["intact"])
@@ -84,17 +88,17 @@ END {
   for (k = 1; k <= stage_count; k++)
     printf "  %-16s %10d %10d %10d %10d %10d\n", name[k], stage_of(c, "intact", mi, k), stage_of(c, "torn", mt, k), stage_of(c, ph, wx, k), stage_of(c, "storm", st, k), bound[c, name[k]]
   # units: intact median of the scene that is shown; contacts where they were most
-  u = counted(c, "intact", mi, 2); units["projection"] = stage_of(c, "intact", mi, 7) / u
+  u = counted(c, "intact", mi, 2); units["projection"] = spent(c, "intact", mi, "strain_run") / u
   u = counted(c, "intact", mi, 1)
-  units["predicted"] = stage_of(c, "intact", mi, 6) / u
-  units["finished"] = stage_of("hang_16", "intact", place("hang_16", "intact", 0.5), 11) / counted("hang_16", "intact", place("hang_16", "intact", 0.5), 1)
-  units["tear_test"] = stage_of(c, "intact", mi, 9) / counted(c, "intact", mi, 6)
-  units["contact"] = (stage_of(c, "storm", st, 8) + stage_of(c, "storm", st, 11) - units["finished"] * counted(c, "storm", st, 1)) / counted(c, "storm", st, 4)
+  units["predicted"] = spent(c, "intact", mi, "predict_run") / u
+  units["finished"] = spent("hang_16", "intact", place("hang_16", "intact", 0.5), "finish_run") / counted("hang_16", "intact", place("hang_16", "intact", 0.5), 1)
+  units["tear_test"] = spent(c, "intact", mi, "tear_run") / counted(c, "intact", mi, 6)
+  units["contact"] = (spent(c, "storm", st, "collide_run") + spent(c, "storm", st, "finish_run") - units["finished"] * counted(c, "storm", st, 1)) / counted(c, "storm", st, 4)
   split(line[c, "intact", mi], part, " ")
-  units["hash_word"] = part[14] / (9 * 256 + 40 + 36)
+  units["hash_word"] = part[stage_count + 1] / (9 * 256 + 40 + 36)
   units["bend"] = spring_total["bend", c] / spring_rows["bend", c]
   units["shear"] = spring_total["shear", c] / spring_rows["shear", c]
-  units["over"] = (stage_of(c, "storm", st, 9) - stage_of(c, "intact", mi, 9)) / counted(c, "storm", st, 7)
+  units["over"] = (spent(c, "storm", st, "tear_run") - spent(c, "intact", mi, "tear_run")) / counted(c, "storm", st, 7)
   printf "  a unit:"
   list = "projection predicted finished bend shear tear_test over contact hash_word"
   n = split(list, each, " ")

@@ -15,7 +15,7 @@ cuts_of() { case $1 in 8) echo 2 ;; 16) echo 8 ;; *) echo 16 ;; esac; }
 scene() { # TEMPLATE N RATE NAME
   half=$(awk -v n="$2" 'BEGIN { printf "%.4f", (n - 1) / 24 }')
   sed -e "s/@N@/$2/g" -e "s/@HALF@/$half/g" -e "s/@RATE@/$3/" -e "s/@CONTACTS@/$(($2 * $2 / 20))/" \
-    -e "s/@CUTS@/$(cuts_of "$2")/" "tests/work/$1.scene.in" >"$work/$4.scene"
+    -e "s/@CUTS@/$(cuts_of "$2")/" -e "s/@SPARES@/$(($2 * $2 / 4))/" "tests/work/$1.scene.in" >"$work/$4.scene"
   "$FRAY" scene "$work/$4.scene" -o "$work/$4.img" >"$work/$4.said"
 }
 
@@ -29,6 +29,10 @@ prepare() {
     scene hands $n 1000 hands_$n
     set -- "$@" hang_$n "$work/hang_$n.img" - - 40 \
       hands_$n "$work/hands_$n.img" "$work/hands.log" - 300
+  done
+  for n in 8 16; do
+    scene yarns $n 1000 yarns_$n
+    set -- "$@" yarns_$n "$work/yarns_$n.img" "$work/hands.log" - 300
   done
   "$FRAY_BUILD/tests/cross/emit" "$@" >"$work/cases.c"
   ${CC:-cc} -std=c11 -O2 -Wall -Wextra -Werror -shared -fPIC tests/work/stage_count.c \

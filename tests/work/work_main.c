@@ -4,11 +4,13 @@
  *
  *   limits CASE ...             what bounds the loops of a tick; see bound.awk
  *   tick CASE N torn predictions projections springs contacts gathers tear_tests over cuts
+ *       transitions splits slips
  *   storm CASE N torn ...       the same
  *   bend CASE rows, shear CASE rows
  *
  * and `BAD ...` where a tick counted more than fray_limits() says. */
 #include "rt/base/random.h"
+#include "rt/model/couples.h"
 #include "rt/stage/stage.h"
 #include "tests/cross/cases.h"
 #include "tests/work/limits.h"
@@ -32,7 +34,8 @@ static fray_world *open_case(const cross_case *c) {
 static void print_work(const char *what, const cross_case *c, uint32_t n, uint32_t torn, const fray_work *k) {
   line l = line_begin(what, c->name);
   const uint32_t words[] = {n, torn, k->predictions, k->projections, k->springs, k->contacts,
-                            k->gathers, k->tear_tests, k->over, k->cuts};
+                            k->gathers, k->tear_tests, k->over, k->cuts, k->transitions, k->splits,
+                            k->slips};
   for (uint32_t m = 0; m < sizeof words / sizeof words[0]; ++m) line_number(&l, words[m]);
   print_line(&l);
 }
@@ -41,7 +44,8 @@ static int within(const fray_work *k, const fray_work *most) {
   return k->predictions <= most->predictions && k->projections <= most->projections &&
          k->springs <= most->springs && k->contacts <= most->contacts &&
          k->gathers <= most->gathers && k->tear_tests <= most->tear_tests &&
-         k->over <= most->over && k->cuts <= most->cuts;
+         k->over <= most->over && k->cuts <= most->cuts && k->transitions <= most->transitions &&
+         k->splits <= most->splits && k->slips <= most->slips;
 }
 
 static int one_tick(const char *what, const cross_case *c, fray_world *w, uint32_t n, const fray_input *in) {
@@ -66,10 +70,31 @@ static int replay(const cross_case *c) {
   return good;
 }
 
+static void loosen(fray_world *w) {
+  uint32_t left = w->capacity[POOL_PARTICLES] - w->particles;
+  left = left > w->capacity[POOL_SPLITS] ? left - w->capacity[POOL_SPLITS] : 0;
+  for (uint32_t c = 0; c < w->capacity[POOL_CROSSINGS] && left != 0; ++c)
+    if (!couple_is_held(w, c) && couple_split(w, c, FRAY_LOOSE)) --left;
+}
+
+/* A quarter of a spacing from their wefts' particles, as fast. */
+static void place_warps(fray_world *w) {
+  for (uint32_t p = (uint32_t)w->params->particles; p < w->particles; ++p) {
+    const uint32_t weft = w->crossing[w->place[p]];
+    w->x[p] = w->x[weft] + FX_LU / 64;
+    w->y[p] = w->y[weft];
+    w->z[p] = w->z[weft];
+    w->vx[p] = w->vx[weft];
+    w->vy[p] = w->vy[weft];
+    w->vz[p] = w->vz[weft];
+  }
+}
+
 /* Neighbours of the weave apart, farther by their number, so that every link is over its threshold
  * and the list of the worst changes often; next but one together, so that springs are pressed; all
  * of them at an edge of the world and leaving it. As many as the pool takes lie on the last body, a
- * bar along x, and their neighbours pull them through it. */
+ * bar along x, and their neighbours pull them through it. Of sheets with yarns all crossings but as
+ * many as split in a tick are loose, each yarn on its own. */
 static void make_storm(fray_world *w, uint32_t n) {
   const params *p = w->params;
   const uint32_t warps = (uint32_t)p->warps;
@@ -80,6 +105,7 @@ static void make_storm(fray_world *w, uint32_t n) {
   const int32_t radius = w->bodies[b].radius;
   const int32_t apart = (p->substeps * p->substeps + 16) * (FX_LU / 8); /* far until the end */
   uint32_t touching = 0;
+  if (world_has_yarns(w)) loosen(w);
   rail->position[0] = apart + FX_LU - FX_WORLD_MAX;
   rail->position[1] = 2 * radius - FX_WORLD_MAX;
   rail->position[2] = -FX_WORLD_MAX;
@@ -108,6 +134,7 @@ static void make_storm(fray_world *w, uint32_t n) {
     w->vx[q] = n % 4u < 2u ? 0 : FX_LU / 64;
     w->vy[q] = w->vz[q] = 0;
   }
+  if (world_has_yarns(w)) place_warps(w);
 }
 
 /* In the tick in which every hand is armed all of them are looked up and divided by. */
