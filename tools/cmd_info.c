@@ -6,6 +6,7 @@
 
 #include "tools/open.h"
 #include "tools/options.h"
+#include "tools/yarn_level.h"
 
 static void print_usage(FILE *out) {
   fprintf(out, "usage: fray info X.img|X.scene\n\n"
@@ -35,6 +36,7 @@ static void print_sheet(const fray_world *w, const fray_facts *f) {
     printf("yarns      %s; split at %.2f to %.2f %% strain, at most %u a tick; apart at %.4f cm\n",
            f->all_yarn != 0 ? "everywhere" : "where it tears", f->transition_min_q16 / 655.36,
            f->transition_max_q16 / 655.36, f->splits_max, centimetres(f, f->loose_max));
+  yarn_level_print(w, stdout);
 }
 
 static void print_rows(const fray_facts *f) {

@@ -9,6 +9,7 @@
 
 #include "tools/open.h"
 #include "tools/options.h"
+#include "tools/yarn_level.h"
 
 enum { FALL_STEPS_MIN = 16 };
 
@@ -67,6 +68,25 @@ static void default_name(const char *from, char *to, size_t room) {
   strcat(to, ".img");
 }
 
+static void print_yarns(const char *path, uint8_t *image, size_t bytes) {
+  struct opened o = {image, bytes, NULL, 0, NULL};
+  if (world_open_image(path, &o, stderr) != 0) return;
+  yarn_level_print(o.world, stdout);
+  free(o.memory);
+}
+
+static void print_built(const char *output, size_t bytes, const build_report *report) {
+  printf("%s: %zu bytes, %u substeps, %u sweeps", output, bytes, report->substeps, report->sweeps);
+  if (report->searched)
+    printf(", found in %u test runs, largest strain at rest %.2f %%", report->tries,
+           report->strain_q16 / 655.36);
+  printf("\n");
+  if (report->fall_steps > 0 && report->fall_steps < FALL_STEPS_MIN)
+    printf("note: gravity moves a particle %u position steps a substep; below %d, slow sideways\n"
+           "      motion of lone ends sticks (rt/README.md). Fewer substeps do better here.\n",
+           report->fall_steps, FALL_STEPS_MIN);
+}
+
 int cmd_scene(int argc, char **argv) {
   const char *file = NULL;
   const char *output = NULL;
@@ -91,15 +111,8 @@ int cmd_scene(int argc, char **argv) {
   if (output == NULL) output = named;
   const int written = write_image(output, array, image, bytes);
   if (written) {
-    printf("%s: %zu bytes, %u substeps, %u sweeps", output, bytes, report.substeps, report.sweeps);
-    if (report.searched)
-      printf(", found in %u test runs, largest strain at rest %.2f %%", report.tries,
-             report.strain_q16 / 655.36);
-    printf("\n");
-    if (report.fall_steps > 0 && report.fall_steps < FALL_STEPS_MIN)
-      printf("note: gravity moves a particle %u position steps a substep; below %d, slow sideways\n"
-             "      motion of lone ends sticks (rt/README.md). Fewer substeps do better here.\n",
-             report.fall_steps, FALL_STEPS_MIN);
+    print_built(output, bytes, &report);
+    print_yarns(output, image, bytes);
   }
   free(image);
   return written ? 0 : 1;
