@@ -10,11 +10,13 @@ firmware_cases() {
   "$FRAY" scene tests/scenes/small.scene -o "$stack_work/small.img" >/dev/null
   "$FRAY" scene tests/cross/torn.scene -o "$stack_work/torn.img" >/dev/null
   "$FRAY" scene tests/cross/bodies.scene -o "$stack_work/bodies.img" >/dev/null
+  "$FRAY" scene tests/cross/frayed.scene -o "$stack_work/frayed.img" >/dev/null
   suite_make BUILD="$FRAY_BUILD" "$FRAY_BUILD/tests/cross/emit"
   # the right hand falls silent for 40 ms: STALE, SAFE
   "$FRAY_BUILD/tests/cross/emit" small "$stack_work/small.img" "$stack_work/small.log" - 800 \
     torn "$stack_work/torn.img" "$stack_work/torn.log" 1:680:720 1050 \
-    bodies "$stack_work/bodies.img" - - 600 >"$stack_work/cases.c"
+    bodies "$stack_work/bodies.img" - - 600 \
+    frayed "$stack_work/frayed.img" - - 300 >"$stack_work/cases.c"
 }
 
 firmware() { # NAME OPT
