@@ -66,7 +66,8 @@ static int counts_fit(const fray_world *w, fray_error *error) {
   const uint32_t twice = world_has_yarns(w) ? 2 : 1;
   const int fit =
       crossings == have[POOL_CROSSINGS] && (uint32_t)p->particles >= crossings &&
-      (uint32_t)p->particles <= have[POOL_PARTICLES] && (uint32_t)p->held == have[POOL_HELD] &&
+      (uint32_t)p->particles <= have[POOL_PARTICLES] && w->particles <= have[POOL_PARTICLES] &&
+      (uint32_t)p->held == have[POOL_HELD] &&
       p->held <= p->particles && (uint32_t)p->links == weave_links(grid) &&
       (uint32_t)p->bends == weave_bends(grid) && (uint32_t)p->shears == weave_shears(grid) &&
       (uint32_t)p->links + (uint32_t)p->bends + twice * (uint32_t)p->shears == have[POOL_ROWS] &&
@@ -253,8 +254,7 @@ static int ids_good(const fray_world *w, fray_error *error) {
         row < links ? w->capacity[POOL_LINK_CLASSES] : w->capacity[POOL_SPRING_CLASSES];
     if (w->row_i[row] >= particles || w->row_j[row] >= particles || w->row_i[row] == w->row_j[row])
       return bad(error, IN_ROW_I, row, "two different particles in use");
-    const uint32_t kind = world_has_yarns(w) ? w->row_class[row] & (uint32_t)ROW_CLASS : w->row_class[row];
-    if (kind >= classes || (kind == 0 && w->row_class[row] != ROW_DEAD))
+    if (!world_has_yarns(w) && w->row_class[row] != ROW_DEAD && w->row_class[row] >= classes)
       return bad(error, IN_CLASS, row, "a class that exists");
     if (w->home[row] >= rows || w->row_of[w->home[row]] != row)
       return bad(error, IN_HOME, row, "a canonical row, each once");
@@ -322,14 +322,13 @@ static int yarns_good(const fray_world *w, fray_error *error) {
   if (!words_in_range(y, yarn_params_ranges, YARN_PARAM_WORDS, IN_YARNS, error) ||
       !words_in_range(w->yarn_state, yarn_state_ranges, YARN_STATE_WORDS, IN_YARN_STATE, error))
     return 0;
-  if ((uint32_t)p->particles != w->capacity[POOL_CROSSINGS] ||
-      w->particles > w->capacity[POOL_PARTICLES])
-    return bad(error, IN_YARN_STATE, 0, "a particle for each crossing, and spare ones that exist");
+  if ((uint32_t)p->particles != w->capacity[POOL_CROSSINGS])
+    return bad(error, IN_YARNS, 0, "a particle for each crossing");
   if (w->capacity[POOL_LINK_CLASSES] <= CLASS_LINKS ||
       w->capacity[POOL_SPRING_CLASSES] <= CLASS_SHEAR_HALF)
     return bad(error, IN_SPRINGS, 0, "the classes that split rows have");
   if (y->transition_max < y->transition_min || y->transition_min >= p->tear_min ||
-      y->transition_max - y->transition_min > p->tear_max - p->tear_min)
+      (int64_t)y->transition_max - y->transition_min > (int64_t)p->tear_max - p->tear_min)
     return bad(error, IN_YARNS, 0, "strains of transition below those of tearing");
   return 1;
 }
@@ -378,7 +377,8 @@ static int kinds_good(const fray_world *w, fray_error *error) {
   for (uint32_t row = 0; row < w->capacity[POOL_ROWS]; ++row) {
     const uint32_t kind = w->row_class[row];
     if (kind == ROW_DEAD) continue;
-    if (kind != couple_kind(w, row)) return bad(error, IN_CLASS, row, "the kind that its ends call for");
+    if (w->row_class[row] != couple_kind(w, row))
+      return bad(error, IN_CLASS, row, "the kind that its ends call for");
     if ((kind & ROW_CLASS) != CLASS_SHEAR_HALF || w->home[row] < weave_rows(world_weave(w))) continue;
     if ((kind & ROW_LIGHT) == 0 || w->row_class[w->row_of[w->home[row] - shears]] == ROW_DEAD)
       return bad(error, IN_CLASS, row, "a shadow of a living diagonal with a split end");

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* image_validate() on a world whose every word is arbitrary, and the views of one that it accepts.
- * Of one shape: WARPS, WEFTS, SPARE particles, HELD of them, LINK_, BEND_ and SHEAR_BATCHES, KEYS.
+ * Of one shape: WARPS, WEFTS, SPARE particles, HELD of them, LINK_, BEND_ and SHEAR_BATCHES, KEYS;
+ * with SPLITS a tick of sheets with yarns.
  * Every array is as long as its pool and stands alone, so that one step too far is seen.
  * What counts_fit() compares with the capacities is given, for anything else is refused there
  * (counts()). How many rows the first batch of links has is gone through, value by value, and so
@@ -9,15 +10,20 @@
 #include "rt/model/validate.c"
 #include "tests/proof/any.h"
 
+#ifndef SPLITS
+#define SPLITS 0
+#endif
+
 enum {
   CROSSINGS = WARPS * WEFTS,
   PARTICLES = CROSSINGS + SPARE,
   LINKS = WEFTS * (WARPS - 1) + WARPS * (WEFTS - 1),
   BENDS = WEFTS * (WARPS - 2) + WARPS * (WEFTS - 2),
   SHEARS = 2 * (WARPS - 1) * (WEFTS - 1),
-  ROWS = LINKS + BENDS + SHEARS,
-  BATCHES = LINK_BATCHES + BEND_BATCHES + SHEAR_BATCHES,
-  CLASSES = 2,
+  TWICE = SPLITS != 0 ? 2 : 1,
+  ROWS = LINKS + BENDS + TWICE * SHEARS,
+  BATCHES = LINK_BATCHES + BEND_BATCHES + TWICE * SHEAR_BATCHES,
+  CLASSES = SPLITS != 0 ? CLASS_LINKS + 1 : 2,
   BODIES = 2,
   CONTACTS = 2
 };
@@ -38,18 +44,23 @@ static int32_t x[PARTICLES], y[PARTICLES], z[PARTICLES];
 static int32_t vx[PARTICLES], vy[PARTICLES], vz[PARTICLES];
 static int8_t rx[PARTICLES], ry[PARTICLES], rz[PARTICLES];
 static int32_t qx[PARTICLES], qy[PARTICLES], qz[PARTICLES];
+static yarn_params yarns;
+static yarn_state yarn_words;
+static uint8_t couple[CROSSINGS];
+static row_id warp_at[CROSSINGS], place[PARTICLES];
 static body_motion motion[BODIES];
 static contact contacts[CONTACTS];
 static cut cuts[LIMIT_CUTS];
 
 static fray_world world = {
     .capacity = {1, 1, PARTICLES, HELD, CROSSINGS, ROWS, BATCHES, CLASSES, CLASSES, BODIES, KEYS,
-                 CONTACTS, LIMIT_CUTS},
+                 CONTACTS, LIMIT_CUTS, SPLITS},
     .params = &fixed, .crossing = crossing, .home = home, .row_of = row_of, .batches = batches,
     .links = links, .springs = springs, .grip_body = grip_body, .grip_x = grip_x,
     .grip_y = grip_y, .grip_z = grip_z, .bodies = bodies, .keys = keys, .state = &moving,
     .x = x, .y = y, .z = z, .vx = vx, .vy = vy, .vz = vz, .rx = rx, .ry = ry, .rz = rz,
     .row_i = row_i, .row_j = row_j, .row_class = row_class, .body_states = body_states,
+    .yarns = &yarns, .yarn_state = &yarn_words, .couple = couple, .warp_at = warp_at, .place = place,
     .qx = qx, .qy = qy, .qz = qz, .motion = motion, .contacts = contacts, .cuts = cuts};
 
 #define ANY(array) any_bytes(&array, sizeof array)
@@ -59,7 +70,7 @@ static void any_world(void) {
   ANY(row_class); ANY(batches); ANY(links); ANY(springs); ANY(grip_body); ANY(grip_x); ANY(grip_y);
   ANY(grip_z); ANY(bodies); ANY(keys); ANY(body_states); ANY(x); ANY(y); ANY(z); ANY(vx); ANY(vy);
   ANY(vz); ANY(rx); ANY(ry); ANY(rz); ANY(qx); ANY(qy); ANY(qz); ANY(motion); ANY(contacts);
-  ANY(cuts);
+  ANY(cuts); ANY(yarns); ANY(yarn_words); ANY(couple); ANY(warp_at); ANY(place);
 }
 
 /* Any scalars at all: what does not fit the capacities goes no further than this. */
@@ -81,6 +92,8 @@ static void views(void) {
   (void)fray_view_row(&world, FRAY_SHEAR, any_between(0, SHEARS - 1));
   (void)fray_view_body(&world, any_between(0, BODIES - 1));
   (void)fray_particle_at(&world, any_between(0, CROSSINGS - 1));
+  (void)fray_particle_of(&world, any_between(0, CROSSINGS - 1), FRAY_WARP);
+  (void)fray_couple_at(&world, any_between(0, CROSSINGS - 1));
   (void)fray_hash(&world);
 }
 
@@ -93,6 +106,8 @@ static void validate(int32_t link_rows, int32_t keys_of_first) {
   fixed.bend_batches = BEND_BATCHES;
   fixed.shear_batches = SHEAR_BATCHES;
   batches[0].count = link_rows;
+  /* as fray_open() has it */
+  world.particles = (uint32_t)fixed.particles + (SPLITS != 0 ? (uint32_t)yarn_words.split : 0u);
   bodies[0].keys = keys_of_first;
   bodies[1].keys = KEYS - keys_of_first;
   if (image_validate(&world, &error) == FRAY_OK) views();
