@@ -24,7 +24,7 @@ extern "C" {
 
 #define FRAY_VERSION "0.3.0"
 #define FRAY_IMAGE_MAJOR 2u
-#define FRAY_IMAGE_MINOR 1u
+#define FRAY_IMAGE_MINOR 2u
 
 enum { FRAY_HANDS = 2 };
 
@@ -134,6 +134,7 @@ typedef struct {
   uint32_t transitions; /* structural rows tested for splitting, couples for coming apart */
   uint32_t splits;      /* crossings split or loosened */
   uint32_t slips;       /* connected and loose couples x substeps */
+  uint32_t stretches;   /* structural rows x inner steps x substeps */
 } fray_work;
 
 typedef struct {
@@ -288,6 +289,10 @@ typedef struct {
   uint32_t all_yarn;               /* every free crossing is a couple from tick 0 on */
   int32_t transition_min_q16, transition_max_q16; /* strain that splits a spring's ends */
   int32_t loose_max;               /* Q24 lu: farther apart a couple is disconnected */
+  uint32_t stretch_un;             /* force of a yarn, uN, at a strain of 1; 0: projection holds it */
+  uint32_t stretch_steps;          /* inner steps of a substep */
+  uint32_t stretch_damping_ns;
+  int32_t stretch_limit_q16;       /* strain from which on projection holds it */
   int32_t gravity[3];              /* Q28 lu per substep, per substep: whole part (floor) */
   uint32_t gravity_rest[3];        /* 2^-32 of that unit */
   uint32_t hands;                  /* bit h: a body follows hand h */

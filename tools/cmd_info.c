@@ -32,6 +32,11 @@ static void print_sheet(const fray_world *w, const fray_facts *f) {
            f->tear_max_q16 / 655.36, f->cuts_max);
   else
     printf("tearing    off\n");
+  if (f->stretch_un != 0)
+    printf("stretch    %.6g N a yarn for each strain, damped %.6g us; %u inner steps a substep;\n"
+           "           projection holds from %.2f %% strain on\n",
+           f->stretch_un * 1e-6, f->stretch_damping_ns * 1e-3, f->stretch_steps,
+           f->stretch_limit_q16 / 655.36);
   if (f->splits_max != 0)
     printf("yarns      %s; split at %.2f to %.2f %% strain, at most %u a tick; apart at %.4f cm\n",
            f->all_yarn != 0 ? "everywhere" : "where it tears", f->transition_min_q16 / 655.36,
@@ -70,9 +75,10 @@ static void print_work(const fray_world *w) {
   const fray_work most = fray_limits(w);
   printf("\nmost work of a tick: %u predictions, %u projections, %u springs, %u contact tests,\n"
          "                     %u gathers, %u tear tests, %u over, %u cuts\n"
-         "                     %u transitions, %u splits, %u slips\n",
+         "                     %u transitions, %u splits, %u slips, %u stretches\n",
          most.predictions, most.projections, most.springs, most.contacts, most.gathers,
-         most.tear_tests, most.over, most.cuts, most.transitions, most.splits, most.slips);
+         most.tear_tests, most.over, most.cuts, most.transitions, most.splits, most.slips,
+         most.stretches);
 }
 
 int cmd_info(int argc, char **argv) {

@@ -81,6 +81,10 @@ static void print_built(const char *output, size_t bytes, const build_report *re
     printf(", found in %u test runs, largest strain at rest %.2f %%", report->tries,
            report->strain_q16 / 655.36);
   printf("\n");
+  if (report->stretch_steps > 0)
+    printf("yarns pull at %u inner steps a substep, %u a tick: what their stiffness, their mass and the\n"
+           "spacing need\n",
+           report->stretch_steps, report->stretch_steps * report->substeps);
   if (report->fall_steps > 0 && report->fall_steps < FALL_STEPS_MIN)
     printf("note: gravity moves a particle %u position steps a substep; below %d, slow sideways\n"
            "      motion of lone ends sticks (rt/README.md). Fewer substeps do better here.\n",

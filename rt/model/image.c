@@ -8,7 +8,10 @@
 #define WORDS(id, role, pool, words, field) {#field, id, role, KIND_WORD, pool, 0, words, AT(field)}
 #define BYTE(id, role, pool, field) {#field, id, role, KIND_BYTE, pool, 0, 1, AT(field)}
 #define IDS(id, role, pool, field) {#field, id, role, KIND_ID, pool, 0, 1, AT(field)}
-#define YARN(id, role, kind, pool, words, field) {#field, id, role, kind, pool, 1, words, AT(field)}
+#define YARN(id, role, kind, pool, words, field) \
+  {#field, id, role, kind, pool, POOL_SPLITS, words, AT(field)}
+#define STRETCH(id, pool, words, field) \
+  {#field, id, ROLE_CONSTANT, KIND_WORD, pool, POOL_STRETCH, words, AT(field)}
 #define TICK(pool, type, field) {#field, 0, ROLE_TICK, KIND_STRUCT, pool, 0, sizeof(type), AT(field)}
 
 const image_array image_arrays[] = {
@@ -44,6 +47,9 @@ const image_array image_arrays[] = {
     YARN(30, ROLE_STATE, KIND_BYTE, POOL_CROSSINGS, 1, couple),
     YARN(31, ROLE_STATE, KIND_ID, POOL_CROSSINGS, 1, warp_at),
     YARN(32, ROLE_STATE, KIND_ID, POOL_PARTICLES, 1, place),
+    STRETCH(33, POOL_PARAMS, STRETCH_PARAM_WORDS, stretch),
+    STRETCH(34, POOL_STRETCH, STRETCH_CLASS_WORDS, pulls),
+    STRETCH(35, POOL_STRETCH, LINK_CLASS_WORDS, limits),
     TICK(POOL_PARTICLES, int32_t, qx),
     TICK(POOL_PARTICLES, int32_t, qy),
     TICK(POOL_PARTICLES, int32_t, qz),
@@ -56,7 +62,7 @@ const uint32_t image_array_count = sizeof image_arrays / sizeof image_arrays[0];
 static const uint32_t capacity_max[POOLS] = {
     1,          1,             LIMIT_PARTICLES, LIMIT_PARTICLES, LIMIT_PARTICLES, LIMIT_ROWS,
     LIMIT_BATCHES, LIMIT_CLASSES, LIMIT_CLASSES, LIMIT_BODIES,   LIMIT_KEYS,      LIMIT_CONTACTS,
-    LIMIT_CUTS, LIMIT_SPLITS};
+    LIMIT_CUTS, LIMIT_SPLITS,  LIMIT_CLASSES};
 
 fray_status image_refuse(fray_error *error, fray_status status, uint32_t section, uint32_t index,
                          const char *what) {
@@ -84,14 +90,15 @@ static uint32_t memory_bytes_of(const image_array *a) {
   return a->kind == KIND_STRUCT ? a->words : 4u;
 }
 static int is_left_out(const image_array *a, const uint32_t capacity[POOLS]) {
-  return a->yarn != 0 && capacity[POOL_SPLITS] == 0;
+  return a->only != 0 && capacity[a->only] == 0;
 }
 static int is_saved(const image_array *a, const uint32_t capacity[POOLS]) {
   return a->id != 0 && !is_left_out(a, capacity);
 }
 /* The least version that has all that is in the image. */
 static uint32_t version_of(const uint32_t capacity[POOLS]) {
-  return FRAY_IMAGE_MAJOR << 16 | (capacity[POOL_SPLITS] != 0 ? 1u : 0u);
+  const uint32_t minor = capacity[POOL_STRETCH] != 0 ? 2u : (capacity[POOL_SPLITS] != 0 ? 1u : 0u);
+  return FRAY_IMAGE_MAJOR << 16 | minor;
 }
 static uint32_t elements(const image_array *a, const uint32_t capacity[POOLS]) {
   if (is_left_out(a, capacity)) return 0;
@@ -149,7 +156,7 @@ static fray_status read_header(const uint8_t *image, size_t bytes, uint32_t capa
   if (bytes_load32(image) != IMAGE_MAGIC)
     return image_refuse(error, FRAY_BAD_MAGIC, 0, 0, "the bytes FRAY");
   if (version >> 16 != FRAY_IMAGE_MAJOR || (version & 0xFFFFu) > FRAY_IMAGE_MINOR)
-    return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD, "image version 2.0 or 2.1");
+    return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD, "image version 2.0 to 2.2");
   for (uint32_t p = 0; p < POOLS; ++p) {
     capacity[p] = bytes_load32(image + 4u * (IMAGE_CAPACITY_WORD + p));
     if (capacity[p] > capacity_max[p] || (p <= POOL_STATE && capacity[p] != 1u))
@@ -158,7 +165,7 @@ static fray_status read_header(const uint8_t *image, size_t bytes, uint32_t capa
   }
   if (version != version_of(capacity))
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD,
-                        "2.1 for an image with yarns, 2.0 for others");
+                        "2.2 for yarns with a stiffness, 2.1 for yarns, 2.0 for others");
   for (uint32_t n = IMAGE_CAPACITY_WORD + POOLS; n < IMAGE_HEADER_WORDS; ++n)
     if (bytes_load32(image + 4u * n) != 0)
       return image_refuse(error, FRAY_BAD_FIELD, 0, n, "a reserved word of zero");

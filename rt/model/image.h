@@ -42,7 +42,7 @@ typedef struct {
   uint16_t id;          /* in the image; 0 for what lives for one tick */
   uint8_t role, kind;
   uint8_t pool;         /* its capacity */
-  uint8_t yarn;         /* in worlds with yarns only */
+  uint8_t only;         /* a pool: left out where that is empty; 0: never */
   uint16_t words;       /* words per element for KIND_WORD; bytes for KIND_STRUCT; else 1 */
   size_t pointer;       /* offset of the pointer in the world */
 } image_array;

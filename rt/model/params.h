@@ -160,8 +160,23 @@ typedef struct {
 #undef X
 } yarn_state;
 
+/* Of worlds whose yarns have a stiffness only.
+ *    name              least       most */
+#define STRETCH_PARAMS(X) \
+  X(steps_bits,         0,          6)         /* 2^ of it: inner steps in a substep */ \
+  X(stiffness_un,       1,          WORD_MAX)  /* force of a yarn at a strain of 1, uN */ \
+  X(damping_ns,         0,          WORD_MAX)  /* force is that of strain + damping * its rate */ \
+  X(limit,              0,          1 << 14)   /* Q16 strain from which on links are projected */
+
+typedef struct {
+#define X(name, least, most) int32_t name;
+  STRETCH_PARAMS(X)
+#undef X
+} stretch_params;
+
 enum {
 #define X(name, least, most) +1
+  STRETCH_PARAM_WORDS = 0 STRETCH_PARAMS(X),
   PARAM_WORDS = 0 PARAMS(X),
   STATE_WORDS = 0 STATE(X),
   YARN_PARAM_WORDS = 0 YARN_PARAMS(X),

@@ -31,11 +31,18 @@ static const word_range yarn_state_ranges[YARN_STATE_WORDS] = {
 #undef X
 };
 
+static const word_range stretch_params_ranges[STRETCH_PARAM_WORDS] = {
+#define X(name, least, most) {least, most},
+    STRETCH_PARAMS(X)
+#undef X
+};
+
 /* Section ids, as in image_arrays. */
 enum {
   IN_PARAMS = 1, IN_STATE, IN_LINKS, IN_SPRINGS, IN_BATCHES, IN_CROSSING, IN_HOME, IN_ROW_OF,
   IN_ROW_I, IN_ROW_J, IN_CLASS, IN_X, IN_Y, IN_Z, IN_VX, IN_RX = 18, IN_GRIP_BODY = 21, IN_GRIP_X,
-  IN_BODIES = 25, IN_BODY_STATES, IN_KEYS, IN_YARNS, IN_YARN_STATE, IN_COUPLE, IN_WARP_AT, IN_PLACE
+  IN_BODIES = 25, IN_BODY_STATES, IN_KEYS, IN_YARNS, IN_YARN_STATE, IN_COUPLE, IN_WARP_AT, IN_PLACE,
+  IN_STRETCH, IN_PULLS, IN_LIMITS
 };
 
 static int bad(fray_error *error, uint32_t section, uint32_t index, const char *what) {
@@ -108,6 +115,32 @@ static int spring_classes_good(const fray_world *w, fray_error *error) {
     if (c->mantissa != expected.mantissa || c->down != expected.down || c->r2 != expected.r2 ||
         c->idle != expected.idle || c->inverse != expected.inverse || c->pull != expected.pull || c->scale != expected.scale)
       return bad(error, IN_SPRINGS, n, "constants that follow from the rest length and the gain");
+  }
+  return 1;
+}
+
+static int gain_good(int32_t mantissa, int32_t scale) {
+  return (mantissa == 0 || (mantissa >= STRETCH_PULL_LEAST && mantissa - STRETCH_PULL_LEAST < STRETCH_PULL_LEAST)) &&
+         scale >= STRETCH_SCALE_LEAST && scale <= STRETCH_SCALE_MOST;
+}
+
+static int stretch_good(const fray_world *w, fray_error *error) {
+  if (!words_in_range(w->stretch, stretch_params_ranges, STRETCH_PARAM_WORDS, IN_STRETCH, error))
+    return 0;
+  if (w->capacity[POOL_STRETCH] != w->capacity[POOL_LINK_CLASSES])
+    return bad(error, IN_PULLS, 0, "as many classes as links have");
+  for (uint32_t n = 1; n < w->capacity[POOL_STRETCH]; ++n) {
+    const stretch_class *c = &w->pulls[n];
+    const link_class *limit = &w->limits[n];
+    const link_class expected = link_class_make(limit->rest, 0);
+    if (!gain_good(c->pull, c->pull_scale) || !gain_good(c->push, c->push_scale) || c->damping < 0 ||
+        c->damping > STRETCH_DAMPING_MOST)
+      return bad(error, IN_PULLS, n, "gains of 30 bits and a shift, a damping to 1");
+    if (limit->rest < w->links[n].rest || limit->rest > w->links[n].rest / 4 * 5)
+      return bad(error, IN_LIMITS, n, "a length of 1 to 5/4 of the rest length");
+    if (limit->r2 != expected.r2 || limit->n_max != expected.n_max ||
+        limit->inverse != expected.inverse || limit->push != 0)
+      return bad(error, IN_LIMITS, n, "constants that follow from the length");
   }
   return 1;
 }
@@ -408,7 +441,8 @@ fray_status image_validate(const fray_world *w, fray_error *error) {
       words_in_range(w->params, params_ranges, PARAM_WORDS, IN_PARAMS, &found) &&
       words_in_range(w->state, state_ranges, STATE_WORDS, IN_STATE, &found) &&
       counts_fit(w, &found) && (!world_has_yarns(w) || yarns_good(w, &found)) &&
-      link_classes_good(w, &found) && spring_classes_good(w, &found) && bodies_good(w, &found) &&
+      link_classes_good(w, &found) && (!world_has_stretch(w) || stretch_good(w, &found)) &&
+      spring_classes_good(w, &found) && bodies_good(w, &found) &&
       particles_good(w, &found) && crossings_good(w, &found) &&
       (!world_has_yarns(w) || couples_good(w, &found)) && ids_good(w, &found) &&
       batches_good(w, &found) && homes_good(w, &found) &&

@@ -34,6 +34,9 @@ fray_work fray_limits(const fray_world *w) {
   most.over = most.tear_tests;
   most.cuts = p->tearing != 0 ? (uint32_t)p->cuts_max : 0;
   most.slips = spares * substeps;
+  most.stretches = !world_has_stretch(w) ? 0
+                                         : (stepped(w, 0, link_batches) * substeps)
+                                               << (uint32_t)w->stretch->steps_bits;
   most.transitions = most.tear_tests != 0 && world_has_yarns(w) ? most.tear_tests + spares : 0;
   most.splits = p->tearing != 0 ? w->capacity[POOL_SPLITS] : 0;
   return most;
@@ -70,6 +73,12 @@ fray_facts fray_describe(const fray_world *w) {
     f.transition_min_q16 = w->yarns->transition_min;
     f.transition_max_q16 = w->yarns->transition_max;
     f.loose_max = w->yarns->loose_max;
+  }
+  if (world_has_stretch(w)) {
+    f.stretch_un = (uint32_t)w->stretch->stiffness_un;
+    f.stretch_steps = 1u << (uint32_t)w->stretch->steps_bits;
+    f.stretch_damping_ns = (uint32_t)w->stretch->damping_ns;
+    f.stretch_limit_q16 = w->stretch->limit;
   }
   f.hands = (uint32_t)p->hands;
   for (uint32_t h = 0; h < FRAY_HANDS; ++h) f.consumed[h] = (uint8_t)w->state->hand[h].consumed;

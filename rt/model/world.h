@@ -11,6 +11,7 @@
 #include "rt/model/contacts.h"
 #include "rt/model/params.h"
 #include "rt/model/rows.h"
+#include "rt/model/stretch.h"
 #include "rt/model/weave.h"
 
 /* Pools with their capacities, in the order of the image's header. */
@@ -29,6 +30,7 @@ typedef enum {
   POOL_CONTACTS,
   POOL_CUTS,
   POOL_SPLITS, /* a tick; not 0 iff the world has yarns */
+  POOL_STRETCH, /* as many as classes of links iff its yarns have a stiffness, else 0 */
   POOLS
 } pool_name;
 
@@ -56,6 +58,9 @@ struct fray_world {
   const body *bodies;
   const body_key *keys;
   const yarn_params *yarns;
+  const stretch_params *stretch;
+  const stretch_class *pulls; /* by class of links */
+  const link_class *limits;   /* links as long as they may become */
 
   /* state */
   state *state;
@@ -102,6 +107,7 @@ static inline uint32_t world_run_of_batches(const fray_world *w, uint32_t *b, ui
   return (uint32_t)(w->batches[*b - 1u].first + w->batches[*b - 1u].count);
 }
 
+static inline int world_has_stretch(const fray_world *w) { return w->capacity[POOL_STRETCH] != 0; }
 static inline int world_has_yarns(const fray_world *w) { return w->capacity[POOL_SPLITS] != 0; }
 
 /* Enters or takes an entry out of the topology's hash. */

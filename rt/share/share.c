@@ -10,7 +10,7 @@
  * Bodies that fly free are moved by what the cloth gave them in the substep before, so in worlds
  * with them one worker takes all substeps. Springs that tear are found when all substeps are done:
  * what comes between in step.c, velocities, neither moves a particle nor asks for a row. Worlds with
- * yarns are ticked by worker 0. */
+ * yarns, or with links that have a stiffness, are ticked by worker 0. */
 #include "rt/share/share.h"
 
 #include "rt/base/arena.h"
@@ -26,6 +26,9 @@ static int has_free_body(const fray_world *w) {
   return 0;
 }
 
+/* Stages that are not divided. */
+static int is_whole(const fray_world *w) { return world_has_yarns(w) || world_has_stretch(w); }
+
 uint32_t fray_share_useful(const fray_world *w, uint32_t workers_max) {
   const params *p = w->params;
   const uint32_t passes = (uint32_t)p->substeps * (uint32_t)p->sweeps;
@@ -35,7 +38,7 @@ uint32_t fray_share_useful(const fray_world *w, uint32_t workers_max) {
   if (workers > most) workers = most;
   if (workers > passes) workers = passes;
   if (workers > rows / ROWS_A_WORKER) workers = (uint32_t)(rows / ROWS_A_WORKER);
-  return workers < 2u || p->held == 0 || has_free_body(w) || world_has_yarns(w) ? 1u : workers;
+  return workers < 2u || p->held == 0 || has_free_body(w) || is_whole(w) ? 1u : workers;
 }
 
 /* The parts first: they want whole lines. */
@@ -256,7 +259,7 @@ static share_range range_of(const fray_share *s, uint32_t worker, uint32_t first
 void fray_share_step(fray_share *s, uint32_t worker, uint32_t step, const fray_input *input,
                      fray_output *output) {
   const params *p = s->world->params;
-  if (world_has_yarns(s->world)) {
+  if (is_whole(s->world)) {
     if (worker == 0 && step == 0) fray_tick(s->world, input, output);
     return;
   }

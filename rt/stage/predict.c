@@ -109,6 +109,9 @@ void predict_part(fray_world *w, uint32_t first, uint32_t end) {
 
 void predict_run(fray_world *w, uint32_t substep) {
   predict_begin(w, substep);
+  if (world_has_stretch(w))
+    stretch_run(w);
+  else
+    predict_part(w, (uint32_t)w->params->held, w->particles);
   predict_held(w);
-  predict_part(w, (uint32_t)w->params->held, w->particles);
 }

@@ -23,11 +23,6 @@
 #include "rt/stage/stage.h"
 #include "rt/wide/wide.h"
 
-/* One component of d, in units of 2^LINK_SHIFT, in 16 bits. */
-static inline int32_t coarse(int32_t d) {
-  return fx_saturate16(fx_round(d, LINK_SHIFT));
-}
-
 /* u * psi(u) in Q20. */
 static inline int32_t half_strain(int32_t u) {
   const int32_t u_q15 = fx_asr(u, 5);
@@ -43,18 +38,6 @@ static inline int32_t projection_factor(int32_t e, const link_class *c) {
   return fx_asr(fx_mul(half_strain(fx_max(u, LINK_U_LEAST)), c->push), 12);
 }
 
-/* |d|^2 in the units of hi, from d^2 = 2^2s hi^2 + 2^(s+1) hi lo + ..., where 2^s hi lo is hi d less
- * 2^s hi^2; the sums may wrap, their difference is small. What is saturated comes out above 2^28,
- * whatever stands in its low bits. */
-static inline uint32_t squared_length(vec3 d, vec3 hi) {
-  const uint32_t n = (uint32_t)fx_mul(hi.x, hi.x) + (uint32_t)fx_mul(hi.y, hi.y) +
-                     (uint32_t)fx_mul(hi.z, hi.z);
-  const int32_t along = fx_wrap_add(fx_wrap_add(fx_wrap_mul(hi.x, d.x), fx_wrap_mul(hi.y, d.y)),
-                                    fx_wrap_mul(hi.z, d.z));
-  const int32_t cross = fx_wrap_sub(along, fx_wrap_shift((int32_t)n, LINK_SHIFT));
-  return (uint32_t)fx_wrap_add((int32_t)n, fx_asr(cross, LINK_SHIFT - 1));
-}
-
 /* f * d from i to j, 2^(20 - LINK_SHIFT) for one step of a position; `share` of it, Q12. Inlined by
  * order: compilers for small targets would pass it through memory. */
 __attribute__((always_inline)) static inline vec3 correction(const link_view *s, uint32_t i,
@@ -62,8 +45,8 @@ __attribute__((always_inline)) static inline vec3 correction(const link_view *s,
                                                              int32_t share) {
   const vec3 d = vec_make(fx_sub(s->x[j], s->x[i]), fx_sub(s->y[j], s->y[i]),
                           fx_sub(s->z[j], s->z[i]));
-  vec3 hi = vec_make(coarse(d.x), coarse(d.y), coarse(d.z));
-  uint32_t n = squared_length(d, hi);
+  vec3 hi = vec_make(link_coarse(d.x), link_coarse(d.y), link_coarse(d.z));
+  uint32_t n = link_squared(d, hi);
   if (__builtin_expect(n > (uint32_t)c->n_max, 0)) {
     n = (uint32_t)c->n_max;
     hi = vec_make(fx_clamp(hi.x, -LINK_HI_MAX, LINK_HI_MAX), fx_clamp(hi.y, -LINK_HI_MAX, LINK_HI_MAX),
@@ -132,7 +115,8 @@ static void project_held(fray_world *w, link_view s, uint32_t first, uint32_t en
 }
 
 void strain_part(fray_world *w, uint32_t b, uint32_t batches) {
-  const link_view view = {w->x, w->y, w->z, w->row_i, w->row_j, w->row_class, w->links};
+  const link_view view = {w->x, w->y, w->z, w->row_i, w->row_j, w->row_class,
+                          world_has_stretch(w) ? w->limits : w->links};
   while (b < batches) {
     const int32_t held = w->batches[b].held;
     const uint32_t first = (uint32_t)w->batches[b].first;

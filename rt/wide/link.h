@@ -4,6 +4,7 @@
 #ifndef FRAY_WIDE_LINK_H
 #define FRAY_WIDE_LINK_H
 
+#include "rt/base/vec.h"
 #include "rt/model/rows.h"
 
 enum {
@@ -32,5 +33,22 @@ typedef struct {
   const uint8_t *kind;
   const link_class *classes;
 } link_view;
+
+/* One component of d, in units of 2^LINK_SHIFT, in 16 bits. */
+static inline int32_t link_coarse(int32_t d) {
+  return fx_saturate16(fx_round(d, LINK_SHIFT));
+}
+
+/* |d|^2 in the units of hi, from d^2 = 2^2s hi^2 + 2^(s+1) hi lo + ..., where 2^s hi lo is hi d less
+ * 2^s hi^2; the sums may wrap, their difference is small. What is saturated comes out above 2^28,
+ * whatever stands in its low bits. */
+static inline uint32_t link_squared(vec3 d, vec3 hi) {
+  const uint32_t n = (uint32_t)fx_mul(hi.x, hi.x) + (uint32_t)fx_mul(hi.y, hi.y) +
+                     (uint32_t)fx_mul(hi.z, hi.z);
+  const int32_t along = fx_wrap_add(fx_wrap_add(fx_wrap_mul(hi.x, d.x), fx_wrap_mul(hi.y, d.y)),
+                                    fx_wrap_mul(hi.z, d.z));
+  const int32_t cross = fx_wrap_sub(along, fx_wrap_shift((int32_t)n, LINK_SHIFT));
+  return (uint32_t)fx_wrap_add((int32_t)n, fx_asr(cross, LINK_SHIFT - 1));
+}
 
 #endif

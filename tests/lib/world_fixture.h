@@ -150,6 +150,7 @@ FIXTURE int fixture_within(const fray_work *k, const fray_work *most) {
          k->springs <= most->springs && k->contacts <= most->contacts &&
          k->gathers <= most->gathers && k->tear_tests <= most->tear_tests &&
          k->over <= most->over && k->cuts <= most->cuts && k->slips <= most->slips &&
+         k->stretches <= most->stretches &&
          k->transitions <= most->transitions && k->splits <= most->splits;
 }
 

@@ -68,6 +68,7 @@ static void plan_capacity(const draft *d, uint32_t capacity[POOLS]) {
   capacity[POOL_CONTACTS] = s->limits.has_contacts ? s->limits.contacts : d->crossings;
   capacity[POOL_CUTS] = s->limits.cuts_per_tick;
   capacity[POOL_SPLITS] = s->sheet.yarns != 0 ? s->limits.splits_per_tick : 0;
+  capacity[POOL_STRETCH] = scene_has_stretch(s) ? capacity[POOL_LINK_CLASSES] : 0;
 }
 
 /* The builder owns these tables: the only place that writes what rt/ holds constant. */
@@ -195,6 +196,10 @@ static int fill(draft *d, void **memory, fray_world **world) {
   if (!draft_params(d, WRITABLE(params, w->params)) ||
       !draft_classes(d, WRITABLE(link_class, w->links), WRITABLE(spring_class, w->springs)))
     return 0;
+  if (world_has_stretch(w) &&
+      !draft_stretch(d, w->links, WRITABLE(stretch_params, w->stretch), WRITABLE(stretch_class, w->pulls),
+                     WRITABLE(link_class, w->limits), capacity[POOL_STRETCH]))
+    return 0;
   w->particles = d->crossings;
   if (!fill_yarns(d, w)) return 0;
   w->state->mode = FRAY_READY;
@@ -285,6 +290,7 @@ int build_image(const scene *s, const char *file, uint8_t **image, size_t *image
       fill_world(s, file, report->substeps, report->sweeps, &memory, &w, error)) {
     start_at_rest(w, &rest);
     begin_hash(w);
+    report->stretch_steps = fray_describe(w).stretch_steps;
     report->fall_steps = fall_steps(w->params);
     *image_bytes = fray_save_bytes(w);
     *image = malloc(*image_bytes);

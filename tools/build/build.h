@@ -14,6 +14,7 @@ typedef struct {
   int searched;              /* 1: substeps or sweeps were found by test runs */
   int32_t strain_q16;        /* largest strain in the last half of the test run */
   uint32_t tries;
+  uint32_t stretch_steps; /* inner steps of a substep; 0: yarns have no stiffness */
   uint32_t fall_steps;       /* position steps that gravity moves a particle in a substep */
 } build_report;
 

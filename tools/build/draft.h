@@ -60,6 +60,16 @@ int draft_rows(draft *d);
 int draft_params(const draft *d, params *p);
 int draft_classes(const draft *d, link_class *links, spring_class *springs);
 int draft_yarns(const draft *d, yarn_params *y);
+int draft_stretch(const draft *d, const link_class *links, stretch_params *p, stretch_class *pulls,
+                  link_class *limits, uint32_t classes);
+
+/* 2^ of it: the inner steps that yarns of this stiffness need in each of so many substeps; -1: too many.
+ * And the fewest substeps that will do; above LIMIT_SUBSTEPS: none. */
+int stretch_steps_bits(const scene *s, uint32_t substeps);
+uint32_t stretch_substeps_least(const scene *s);
+static inline int scene_has_stretch(const scene *s) {
+  return exact_compare(s->sheet.stretch, exact_make(0, 1)) > 0;
+}
 
 /* Neighbours of a crossing: before and after it along its weft, along its warp; itself at the edge. */
 void draft_neighbours(const draft *d, uint32_t crossing, uint32_t near[4]);

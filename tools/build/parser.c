@@ -96,7 +96,7 @@ static void set_sheet_defaults(scene *out) {
   out->sheet.damping = zero;
   out->sheet.loose = exact_make(1, 50);
   out->sheet.slip_friction = out->sheet.slip_grip = zero;
-  out->sheet.crimp = zero;
+  out->sheet.crimp = out->sheet.stretch = out->sheet.stretch_damping = zero;
 }
 
 static void set_defaults(scene *out) {

@@ -249,6 +249,16 @@ static int32_t crimped(int32_t spacing, int32_t across, int32_t share) {
   return (int32_t)(spacing + fx_round64((way - spacing) * share, 16));
 }
 
+/* The same for yarns with a stiffness: the strain, and so the tension, is the same before and after a
+ * split if the strain is in the middle of what splits. */
+static int32_t kept(const draft *d, int32_t spacing, int32_t across) {
+  const exact sum = exact_add(d->scene->sheet.transition_min, d->scene->sheet.transition_max);
+  const exact stretched = exact_add(exact_make(1, 1), exact_div(sum, exact_make(2, 1)));
+  int64_t apart = across;
+  (void)exact_to_fixed(exact_div(exact_make(across, 1), stretched), 0, &apart);
+  return crimped(spacing, (int32_t)apart, 65536);
+}
+
 int draft_classes(const draft *d, link_class *links, spring_class *springs) {
   int32_t push = 0;
   int32_t thickness = 0;
@@ -257,9 +267,14 @@ int draft_classes(const draft *d, link_class *links, spring_class *springs) {
     return 0;
   for (uint32_t axis = 0; axis < 2; ++axis) {
     links[CLASS_WEFT + axis] = link_class_make(d->spacing[axis], push);
-    for (uint32_t halves = 1; halves < 3 && d->scene->sheet.yarns != 0; ++halves)
+    for (uint32_t halves = 1; halves < 3 && d->scene->sheet.yarns != 0; ++halves) {
+      const int32_t across = (int32_t)halves * (thickness / 2);
+      const int keeps = scene_has_stretch(d->scene) && !d->scene->sheet.has_crimp;
       links[CLASS_WEFT + axis + halves * CLASS_CRIMP] =
-          link_class_make(crimped(d->spacing[axis], (int32_t)halves * (thickness / 2), crimp), push);
+          link_class_make(keeps ? kept(d, d->spacing[axis], across)
+                                : crimped(d->spacing[axis], across, crimp),
+                          push);
+    }
     if (!make_spring(d, "bend", d->scene->sheet.bend, 2 * d->spacing[axis], 0, &springs[1 + axis]))
       return 0;
   }

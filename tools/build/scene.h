@@ -99,7 +99,12 @@ typedef struct {
     int loose_by_particles; /* that distance is between the particles, default 0: between the yarns */
     exact slip_friction;  /* default 0 */
     exact slip_grip;      /* N that a crossing holds back by itself, default 0 */
-    exact crimp;          /* share of the yarns' waves that is in their rest length, default 0 */
+    int has_crimp;
+    exact crimp;          /* share of the yarns' waves that is in their rest length, default 0; with a
+                             stretch: as much as keeps their tension where they split */
+    exact stretch;        /* N: force of a yarn at a strain of 1 (its EA); 0: carried by projection,
+                             whatever force that takes (default) */
+    exact stretch_damping; /* s: force is that of strain + this * its rate, default 0 */
   } sheet;
 
   scene_body bodies[SCENE_BODIES];

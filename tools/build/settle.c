@@ -194,7 +194,10 @@ int settle_scene(const scene *s, const settle_plan *plan, build_report *report, 
   still_scene(s, still);
   trial t = {0, 0, 0};
   int built = 1;
-  for (uint32_t n = 0; n < LADDER && built && !t.good; n = next_rung(n, &t, plan)) {
+  uint32_t first = 0;
+  const uint32_t least = scene_has_stretch(s) ? stretch_substeps_least(s) : 1;
+  while (s->substeps == 0 && first + 1u < LADDER && ladder[first] < least) ++first;
+  for (uint32_t n = first; n < LADDER && built && !t.good; n = next_rung(n, &t, plan)) {
     report->substeps = s->substeps != 0 ? s->substeps : ladder[n];
     report->sweeps = s->sweeps != 0 ? s->sweeps : (s->substeps != 0 ? ladder[n] : 1);
     built = try_once(still, plan, report->substeps, report->sweeps, &t, rest, error);

@@ -107,6 +107,11 @@ static int read_transition(parser *p, const block_key *key, void *target) {
   return 1;
 }
 
+static int read_crimp(parser *p, const block_key *key, void *target) {
+  ((scene *)target)->sheet.has_crimp = 1;
+  return block_exacts(p, key, target);
+}
+
 static int read_plane(parser *p, const block_key *key, void *target) {
   static const char *const planes[] = {"vertical", "horizontal"};
   int index;
@@ -137,7 +142,9 @@ static const block_key keys[] = {
     {"yarns", read_yarns, 0, {UNIT_NONE, "0", "0"}, 0, 0},
     {"transition", read_transition, 0, {UNIT_SHARE, "0.1", "400"}, 2, 0},
     {"loose", block_exacts, AT(loose), {UNIT_LENGTH, "0.0001", "1"}, 1, 0},
-    {"crimp", block_exacts, AT(crimp), {UNIT_SHARE, "0", "100"}, 1, 0},
+    {"crimp", read_crimp, AT(crimp), {UNIT_SHARE, "0", "100"}, 1, 0},
+    {"stretch", block_exacts, AT(stretch), {UNIT_FORCE, "0.0001", "2000"}, 1, 0},
+    {"stretch_damping", block_exacts, AT(stretch_damping), {UNIT_TIME, "0", "1"}, 1, 0},
     {"loose_by", read_loose_by, 0, {UNIT_NONE, "0", "0"}, 0, 0},
     {"slip_grip", block_exacts, AT(slip_grip), {UNIT_FORCE, "0", "1"}, 1, 0},
     {"slip_friction", block_exacts, AT(slip_friction), {UNIT_NONE, "0", "16"}, 1, 0},
