@@ -134,7 +134,7 @@ typedef struct {
   uint32_t transitions; /* structural rows tested for splitting, couples for coming apart */
   uint32_t splits;      /* crossings split or loosened */
   uint32_t slips;       /* connected and loose couples x substeps */
-  uint32_t stretches;   /* structural rows x inner steps x substeps */
+  uint32_t stretches;   /* structural rows x inner steps x substeps, twice with damping */
 } fray_work;
 
 typedef struct {

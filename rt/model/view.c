@@ -37,6 +37,7 @@ fray_work fray_limits(const fray_world *w) {
   most.stretches = !world_has_stretch(w) ? 0
                                          : (stepped(w, 0, link_batches) * substeps)
                                                << (uint32_t)w->stretch->steps_bits;
+  if (world_has_stretch(w) && w->stretch->damping_ns != 0) most.stretches *= 2u;
   most.transitions = most.tear_tests != 0 && world_has_yarns(w) ? most.tear_tests + spares : 0;
   most.splits = p->tearing != 0 ? w->capacity[POOL_SPLITS] : 0;
   return most;

@@ -11,8 +11,8 @@
  * stretches to 25 %, 0.2 % for squeezes to 25 %. What is outside of that pulls as at 25 %. Lengths have
  * 32-bit products and are known to 1/20 of a position step. What follows has 64 bits: with 16-bit
  * directions and forces of 11 bits the force went in stairs of 2^-12 of itself, and a yarn at 4 % began to
- * sing, to 3 % of its tension. Impulses are equal and opposite, and do not depend on the order of the rows
- * unless there is damping.
+ * sing, to 3 % of its tension. Impulses are equal and opposite; those of stretch do not depend on the order of the
+ * rows, those of damping, which come before them, do.
  *
  * Positions move by v / 2^b and keep what rounding leaves, in the arrays of predicted positions. */
 #include "rt/model/couples.h"
@@ -59,19 +59,19 @@ static inline vec3 bounded(vec3 d) {
                   fx_clamp(d.z, -STRETCH_D_MAX, STRETCH_D_MAX));
 }
 
-/* Speeds along the link; `along` and what follows fit 64 bits whatever the velocities are. */
-static vec3 damped(const stretch_view *s, uint32_t i, uint32_t j, vec3 hi, int32_t damping, vec3 dv) {
-  const int32_t x = fx_saturate((int64_t)s->vx[j] - s->vx[i]);
-  const int32_t y = fx_saturate((int64_t)s->vy[j] - s->vy[i]);
-  const int32_t z = fx_saturate((int64_t)s->vz[j] - s->vz[i]);
-  const int64_t along = fx_mul_wide(hi.x, x) + fx_mul_wide(hi.y, y) + fx_mul_wide(hi.z, z);
+/* dv of end i from the speed at which the ends part, along the link; fits whatever the velocities are. */
+static inline vec3 damping_impulse(const stretch_view *s, uint32_t i, uint32_t j, uint32_t kind) {
+  const vec3 d = vec_make(fx_sub(s->at.x[j], s->at.x[i]), fx_sub(s->at.y[j], s->at.y[i]),
+                          fx_sub(s->at.z[j], s->at.z[i]));
+  const vec3 hi = vec_make(fx_clamp(link_coarse(d.x), -LINK_HI_MAX, LINK_HI_MAX),
+                           fx_clamp(link_coarse(d.y), -LINK_HI_MAX, LINK_HI_MAX),
+                           fx_clamp(link_coarse(d.z), -LINK_HI_MAX, LINK_HI_MAX));
+  const int64_t along = fx_mul_wide(hi.x, fx_saturate((int64_t)s->vx[j] - s->vx[i])) +
+                        fx_mul_wide(hi.y, fx_saturate((int64_t)s->vy[j] - s->vy[i])) +
+                        fx_mul_wide(hi.z, fx_saturate((int64_t)s->vz[j] - s->vz[i]));
   const int32_t speed = fx_saturate(fx_round64(along, 13));
-  const int32_t part = fx_saturate(fx_round64(fx_mul_wide(speed, damping), 24));
-  const int64_t bound = STRETCH_DV_MAX;
-  return vec_make(
-      (int32_t)fx_clamp64(dv.x + fx_round64(fx_mul_wide(hi.x, part), 12), -bound, bound),
-      (int32_t)fx_clamp64(dv.y + fx_round64(fx_mul_wide(hi.y, part), 12), -bound, bound),
-      (int32_t)fx_clamp64(dv.z + fx_round64(fx_mul_wide(hi.z, part), 12), -bound, bound));
+  const int32_t part = fx_saturate(fx_round64(fx_mul_wide(speed, s->pulls[kind].damping), 24));
+  return vec_make(scaled(hi.x, part, 12), scaled(hi.y, part, 12), scaled(hi.z, part, 12));
 }
 
 /* dv of end i; end j gets the opposite. */
@@ -93,8 +93,7 @@ static inline vec3 stretch_impulse(const stretch_view *s, uint32_t i, uint32_t j
   const int32_t mantissa = e >= 0 ? k->pull : k->push;
   const int32_t down = e >= 0 ? k->pull_scale : k->push_scale;
   const int32_t pull = (int32_t)fx_round64(fx_mul_wide(size, mantissa), 30);
-  const vec3 dv = vec_make(scaled(d.x, pull, down), scaled(d.y, pull, down), scaled(d.z, pull, down));
-  return k->damping == 0 ? dv : damped(s, i, j, hi, k->damping, dv);
+  return vec_make(scaled(d.x, pull, down), scaled(d.y, pull, down), scaled(d.z, pull, down));
 }
 
 static inline void kick(const stretch_view *s, uint32_t p, vec3 dv, int32_t weight) {
@@ -108,32 +107,34 @@ static inline int32_t lightness(const fray_world *w, uint32_t p) {
   return world_has_yarns(w) && couple_is_light(w, p) ? 2 : 1;
 }
 
-static void pull_free(fray_world *w, const stretch_view *s, uint32_t first, uint32_t end) {
+typedef vec3 impulse_of(const stretch_view *s, uint32_t i, uint32_t j, uint32_t kind);
+
+static inline void run_rows(fray_world *w, const stretch_view *s, uint32_t first, uint32_t end,
+                            int32_t held, impulse_of *impulse) {
   for (uint32_t row = first; row < end; ++row) {
     const uint32_t kind = s->at.kind[row];
     if (kind == ROW_DEAD) continue;
     const uint32_t i = s->at.i[row];
     const uint32_t j = s->at.j[row];
-    const vec3 dv = stretch_impulse(s, i, j, kind & ROW_CLASS);
-    kick(s, i, dv, lightness(w, i));
+    const vec3 dv = impulse(s, i, j, kind & ROW_CLASS);
     kick(s, j, dv, -lightness(w, j));
+    if (held == BATCH_HELD) /* end i is carried by a body, which gives what end j gains */
+      body_gave(&w->motion[w->grip_body[i]], -(int64_t)dv.x, -(int64_t)dv.y, -(int64_t)dv.z);
+    else
+      kick(s, i, dv, lightness(w, i));
   }
 }
 
-/* End i is carried by a body, which gives what end j gains. */
-static void pull_held(fray_world *w, const stretch_view *s, uint32_t first, uint32_t end) {
-  for (uint32_t row = first; row < end; ++row) {
-    const uint32_t kind = s->at.kind[row];
-    if (kind == ROW_DEAD) continue;
-    const uint32_t i = s->at.i[row];
-    const uint32_t j = s->at.j[row];
-    const vec3 dv = stretch_impulse(s, i, j, kind & ROW_CLASS);
-    kick(s, j, dv, -lightness(w, j));
-    body_gave(&w->motion[w->grip_body[i]], -(int64_t)dv.x, -(int64_t)dv.y, -(int64_t)dv.z);
-  }
+static void damp_rows(fray_world *w, const stretch_view *s, uint32_t first, uint32_t end, int32_t held) {
+  run_rows(w, s, first, end, held, damping_impulse);
+}
+static void pull_rows(fray_world *w, const stretch_view *s, uint32_t first, uint32_t end, int32_t held) {
+  run_rows(w, s, first, end, held, stretch_impulse);
 }
 
-static void pull_all(fray_world *w, const stretch_view *s) {
+typedef void rows_of(fray_world *w, const stretch_view *s, uint32_t first, uint32_t end, int32_t held);
+
+static inline void each_run(fray_world *w, const stretch_view *s, rows_of *rows) {
   const uint32_t batches = (uint32_t)w->params->link_batches;
   uint32_t b = 0;
   while (b < batches) {
@@ -141,12 +142,16 @@ static void pull_all(fray_world *w, const stretch_view *s) {
     const uint32_t first = (uint32_t)w->batches[b].first;
     const uint32_t end = world_run_of_batches(w, &b, batches);
     if (held == BATCH_IDLE) continue;
-    if (held == BATCH_HELD)
-      pull_held(w, s, first, end);
-    else
-      pull_free(w, s, first, end);
+    rows(w, s, first, end, held);
     w->work.stretches += end - first;
   }
+}
+
+/* Damping before the pull: between the pulls of its two neighbours a particle at rest would seem to
+ * move. */
+static void pull_all(fray_world *w, const stretch_view *s) {
+  if (w->stretch->damping_ns != 0) each_run(w, s, damp_rows);
+  each_run(w, s, pull_rows);
 }
 
 /* One inner step of 2^-bits of a substep; left: what rounding left over, 2^-(28 + bits) lu. */

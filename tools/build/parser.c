@@ -96,7 +96,8 @@ static void set_sheet_defaults(scene *out) {
   out->sheet.damping = zero;
   out->sheet.loose = exact_make(1, 50);
   out->sheet.slip_friction = out->sheet.slip_grip = zero;
-  out->sheet.crimp = out->sheet.stretch = out->sheet.stretch_damping = zero;
+  out->sheet.crimp = out->sheet.stretch = zero;
+  out->sheet.stretch_damping = exact_make(-1, 1);
 }
 
 static void set_defaults(scene *out) {

@@ -14,7 +14,7 @@
 #define PARSER_PRINTS(text, first)
 #endif
 
-enum { PARSER_FOUND = 48, PARSER_LIST = 320, BLOCK_KEYS = 24 };
+enum { PARSER_FOUND = 48, PARSER_LIST = 320, BLOCK_KEYS = 32 };
 
 typedef struct {
   int line, column; /* line 0: nowhere */

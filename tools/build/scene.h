@@ -104,7 +104,8 @@ typedef struct {
                              stretch: as much as keeps their tension where they split */
     exact stretch;        /* N: force of a yarn at a strain of 1 (its EA); 0: carried by projection,
                              whatever force that takes (default) */
-    exact stretch_damping; /* s: force is that of strain + this * its rate, default 0 */
+    exact stretch_damping; /* s: force is that of strain + this * its rate, default less than 0: the compiler's
+                              choice */
   } sheet;
 
   scene_body bodies[SCENE_BODIES];

@@ -41,21 +41,36 @@ static rough pull_of(const scene *s, rough centimetres, rough grams) {
   return rough_div(rough_div(dyn, centimetres), grams);
 }
 
+/* A twentieth of sqrt(m/k) where the scene does not say: of the fastest wave, as short as the spacing,
+ * 5 % of what would stop it, and next to nothing of a slow one. Bend and shear, which act once a tick, would
+ * make some waves grow without any. */
+static rough damping_time(const scene *s, rough pull) {
+  if (exact_compare(s->sheet.stretch_damping, exact_make(0, 1)) >= 0)
+    return rough_of(s->sheet.stretch_damping);
+  const int odd = pull.power & 1;
+  const uint32_t root = exact_sqrt(pull.m << (odd ? 31 : 30));
+  const rough speed = rough_make(root, (pull.power - (odd ? 31 : 30)) / 2);
+  return rough_div(rough_ratio(1, 20), speed);
+}
+
 /* An explicit step is stable below 8 g + 16 c = 4 for a chain of single yarns, or of crossings whose
  * warps and wefts have been drawn into line: g = k h^2/m, c what damping takes of the speed apart. */
 static int is_stable(const scene *s, rough pull, int64_t steps_a_second) {
   const rough h = rough_ratio(1, steps_a_second);
   const rough by_step = rough_mul(pull, h);
   const uint64_t g = rough_fixed(rough_mul(by_step, h), 32);
-  const uint64_t c = rough_fixed(rough_mul(by_step, rough_of(s->sheet.stretch_damping)), 32);
+  const uint64_t c = rough_fixed(rough_mul(by_step, damping_time(s, pull)), 32);
   return g < (uint64_t)1 << 32 && c < (uint64_t)1 << 32 && g + 2 * c <= ((uint64_t)1 << 32) / 5 * 2;
 }
 
-int stretch_steps_bits(const scene *s, uint32_t substeps) {
+static rough shorter_spacing(const scene *s) {
   const int by_warps = exact_compare(s->sheet.warp_spacing, s->sheet.weft_spacing) < 0;
-  const exact shorter = by_warps ? s->sheet.warp_spacing : s->sheet.weft_spacing;
+  return rough_of(by_warps ? s->sheet.warp_spacing : s->sheet.weft_spacing);
+}
+
+int stretch_steps_bits(const scene *s, uint32_t substeps) {
   const exact area = exact_mul(s->sheet.warp_spacing, s->sheet.weft_spacing);
-  const rough pull = pull_of(s, rough_of(shorter), rough_of(exact_mul(s->sheet.density, area)));
+  const rough pull = pull_of(s, shorter_spacing(s), rough_of(exact_mul(s->sheet.density, area)));
   for (int bits = 0; bits <= STRETCH_STEPS_BITS; ++bits)
     if (is_stable(s, pull, (int64_t)((uint64_t)s->rate_hz * substeps << bits))) return bits;
   return -1;
@@ -86,7 +101,7 @@ static int make_class(const draft *d, const stretch_params *p, const link_class 
   const rough kicks = rough_mul(rough_mul(inner, h), rough_ratio(16, link->r2));
   const rough stretched = pull_of(s, length, rough_of(d->particle_mass));
   const rough pressed = rough_of(exact_div(s->sheet.structural, d->particle_mass));
-  const rough lost = rough_mul(rough_mul(stretched, inner), rough_of(s->sheet.stretch_damping));
+  const rough lost = rough_mul(rough_mul(stretched, inner), damping_time(s, stretched));
   const uint64_t damping = rough_fixed(rough_mul(lost, rough_ratio(1 << 25, link->r2)), 24);
   gain(rough_mul(stretched, kicks), &pull->pull, &pull->pull_scale);
   gain(rough_mul(rough_is_less(pressed, stretched) ? pressed : stretched, kicks), &pull->push,
@@ -121,10 +136,8 @@ static int stretch_words(const draft *d, stretch_params *p) {
       word > INT32_MAX)
     return draft_refuse(d, s->sheet.line, "stretch: expected 0.1 mN to 2 kN");
   p->stiffness_un = (int32_t)word;
-  if (!exact_to_fixed(exact_mul(s->sheet.stretch_damping, exact_make(1000000000, 1)), 0, &word) ||
-      word < 0 || word > INT32_MAX)
-    return draft_refuse(d, s->sheet.line, "stretch_damping: expected a shorter time");
-  p->damping_ns = (int32_t)word;
+  const rough pull = pull_of(s, shorter_spacing(s), rough_of(d->particle_mass));
+  p->damping_ns = (int32_t)rough_fixed(rough_mul(damping_time(s, pull), rough_ratio(1000000000, 1)), 0);
   return 1;
 }
 
