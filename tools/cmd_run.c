@@ -85,6 +85,7 @@ static int begin(run_job *j) {
   j->ticks = j->o->ticks != 0 ? j->o->ticks : (j->o->log != NULL ? j->s.log.count : DEFAULT_TICKS);
   j->first_cut = UINT32_MAX;
   run_trace_open(&j->trace, f->rate_hz, f->hands);
+  run_trace_watch(&j->trace, j->s.opened.world);
   album_open(&j->pictures);
   if (j->o->record != NULL) {
     j->out = fopen(j->o->record, "w");
@@ -112,7 +113,7 @@ static int step(run_job *j, uint32_t n) {
   j->faults |= j->last.faults;
   const int tore_first = j->first_cut == UINT32_MAX && j->last.work.cuts != 0;
   if (tore_first) j->first_cut = j->last.tick;
-  if (j->o->report != NULL) run_trace_add(&j->trace, &j->last);
+  if (j->o->report != NULL) run_trace_add(&j->trace, &j->last, j->s.opened.world);
   if (j->out != NULL && !record_tick(&j->recording, input, &j->last)) return fail(j->o->record);
   return take_picture(j, n + 1, tore_first);
 }
@@ -228,6 +229,8 @@ static int write_report(const run_job *j, const piece *pieces, uint32_t count) {
   }
   snprintf(path, sizeof path, "%s/work.png", j->o->report);
   if (!plot_work_write(&j->trace, path)) return fail(path);
+  snprintf(path, sizeof path, "%s/pull.png", j->o->report);
+  if (!plot_pull_write(&j->trace, path)) return fail(path);
   return write_summary(j, pieces, count);
 }
 

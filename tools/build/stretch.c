@@ -129,6 +129,11 @@ static int stretch_words(const draft *d, stretch_params *p) {
                         "softer yarn",
                         s->rate_hz, d->substeps, 1 << STRETCH_STEPS_BITS, stretch_substeps_least(s),
                         stretch_substeps_least(s) > LIMIT_SUBSTEPS ? " (more than there are)" : "");
+  const rough pull = pull_of(s, shorter_spacing(s), rough_of(d->particle_mass));
+  if (damping_time(s, pull).m == 0 &&
+      rough_is_less(rough_of(exact_div(s->sheet.structural, d->particle_mass)), pull))
+    return draft_refuse(d, s->sheet.line, "stretch_damping: expected more than 0 where pressed yarns are "
+                        "softer than stretched ones: steps over that bend make waves grow");
   if (!exact_to_fixed(limit, 16, &word) || word >= 1 << 14)
     return draft_refuse(d, s->sheet.line, "tear: expected at most 19 %% for yarns with a stiffness");
   p->limit = (int32_t)word;
@@ -136,7 +141,6 @@ static int stretch_words(const draft *d, stretch_params *p) {
       word > INT32_MAX)
     return draft_refuse(d, s->sheet.line, "stretch: expected 0.1 mN to 2 kN");
   p->stiffness_un = (int32_t)word;
-  const rough pull = pull_of(s, shorter_spacing(s), rough_of(d->particle_mass));
   p->damping_ns = (int32_t)rough_fixed(rough_mul(damping_time(s, pull), rough_ratio(1000000000, 1)), 0);
   return 1;
 }

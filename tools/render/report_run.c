@@ -24,7 +24,40 @@ void run_trace_close(run_trace *t) {
   memset(t, 0, sizeof *t);
 }
 
-void run_trace_add(run_trace *t, const fray_output *output) {
+void run_trace_watch(run_trace *t, const fray_world *w) {
+  t->facts = fray_describe(w);
+  for (uint32_t b = 0; b < t->facts.bodies && b < 16; b++) {
+    const fray_body v = fray_view_body(w, b);
+    if (v.motion == FRAY_PATH) t->pulls = 1;
+    for (int a = 0; a < 3; a++) t->start[b][a] = v.position[a];
+  }
+}
+
+/* How far the paths have led: all that is between two bodies that part counts. */
+static void add_pull(const run_trace *t, run_sample *s, const fray_world *w) {
+  const double cm = t->facts.lu_um * 1e-4 / 16777216.0;
+  const double dyn = t->facts.particle_mass_ng * 1e-9 * t->facts.lu_um * 1e-4 / 268435456.0 *
+                     t->facts.rate_hz * t->facts.substeps * t->facts.rate_hz;
+  double farthest = 0.0, together = 0.0;
+  for (uint32_t b = 0; b < t->facts.bodies && b < 16; b++) {
+    const fray_body v = fray_view_body(w, b);
+    double way[3], square = 0.0, along = 0.0;
+    if (v.motion != FRAY_PATH) continue;
+    for (int a = 0; a < 3; a++) {
+      way[a] = ((double)v.position[a] - t->start[b][a]) * cm;
+      square += way[a] * way[a];
+    }
+    const double length = sqrt(square);
+    together += length;
+    for (int a = 0; a < 3 && length > 0.0; a++) along += (double)v.impulse[a] * way[a] / length;
+    if (length <= farthest) continue;
+    farthest = length;
+    s->pull = (float)(along * dyn * 1e-5);
+  }
+  s->opening = (float)together;
+}
+
+void run_trace_add(run_trace *t, const fray_output *output, const fray_world *w) {
   if (t->failed) return;
   if (t->count == t->room) {
     const size_t room = t->room ? 2 * t->room : 4096;
@@ -39,6 +72,8 @@ void run_trace_add(run_trace *t, const fray_output *output) {
   if (t->count == 0) t->first_tick = output->tick;
   run_sample *s = t->samples + t->count++;
   s->work = output->work;
+  s->pull = s->opening = 0.0f;
+  if (t->pulls) add_pull(t, s, w);
   for (int h = 0; h < FRAY_HANDS; h++)
     for (int a = 0; a < 3; a++) s->force[h][a] = (float)output->force[h][a] * newtons;
 }
@@ -172,4 +207,42 @@ int plot_work_write(const run_trace *t, const char *path) {
       {"contacts per tick", "count", 0, 1, 1, {WORK_CONTACTS}},
       {"springs cut per tick", "count", 0, 1, 1, {WORK_CUTS}}};
   return write_panels(t, panels, PANELS_MAX, 0, path);
+}
+
+/* Openings as they come: the axis is cut in equal parts, a part shows the mean of its ticks. */
+int plot_pull_write(const run_trace *t, const char *path) {
+  enum { COLUMNS = 600 };
+  static double sum[COLUMNS], count[COLUMNS];
+  float widest = 0.0f;
+  if (!t->pulls) return 1;
+  for (size_t k = 0; k < t->count; k++) widest = fmaxf(widest, t->samples[k].opening);
+  errno = EINVAL;
+  if (widest <= 0.0f) return 1;
+  memset(sum, 0, sizeof sum);
+  memset(count, 0, sizeof count);
+  for (size_t k = 0; k < t->count; k++) {
+    const size_t column = (size_t)((double)t->samples[k].opening / (double)widest * (COLUMNS - 1));
+    /* what rests at the end of its path says nothing of the way there */
+    if (k > 0 && t->samples[k].opening == t->samples[k - 1].opening) continue;
+    sum[column] += (double)t->samples[k].pull;
+    count[column] += 1.0;
+  }
+  for (size_t n = 0; n < COLUMNS; n++) sum[n] = count[n] > 0.0 ? sum[n] / count[n] : n > 0 ? sum[n - 1] : 0.0;
+  canvas c;
+  errno = ENOMEM;
+  if (!canvas_open(&c, WIDTH, 2 * PANEL, SAMPLES)) return 0;
+  canvas_fill(&c, rgb_hex(0xFFFFFF), rgb_hex(0xFFFFFF));
+  plot p = {.title = "force over opening",
+            .x_label = "opening, cm",
+            .y_label = "N",
+            .x_first = 0.0,
+            .x_step = (double)widest / (COLUMNS - 1),
+            .points = COLUMNS,
+            .series_count = 1,
+            .y_from_zero = 1};
+  p.series[0] = (plot_series){"pull", sum, plot_colour(0)};
+  plot_draw(&c, (plot_area){0, 0, WIDTH, 2 * PANEL}, &p);
+  const int good = canvas_write(&c, path);
+  canvas_close(&c);
+  return good;
 }

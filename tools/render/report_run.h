@@ -10,6 +10,7 @@
 
 typedef struct {
   float force[FRAY_HANDS][3]; /* N */
+  float opening, pull;        /* of the body that has gone farthest: cm, and N that hold it back there */
   fray_work work;
 } run_sample;
 
@@ -19,15 +20,22 @@ typedef struct {
   uint32_t first_tick, rate_hz;
   uint32_t hands; /* bit h: hand h is used; others are not plotted */
   int failed;     /* memory ran out: samples after that are missing */
+  int pulls;      /* 1: some body goes on a path */
+  fray_facts facts;
+  int32_t start[16][3];
 } run_trace;
 
 void run_trace_open(run_trace *t, uint32_t rate_hz, uint32_t hands);
-void run_trace_add(run_trace *t, const fray_output *output); /* after every fray_tick() */
+void run_trace_watch(run_trace *t, const fray_world *w);     /* before the first: bodies on paths */
+void run_trace_add(run_trace *t, const fray_output *output, const fray_world *w); /* after every tick */
 void run_trace_close(run_trace *t);
 
 /* Each writes one PNG. Returns 1, or 0 with errno set (EINVAL: nothing was recorded). Vertical
  * marks show where springs were cut. */
 int plot_forces_write(const run_trace *t, const char *path); /* N against s, each hand x y z */
+/* The force that draws what goes on paths apart, N against cm: of the body that goes farthest, and how far.
+ * Nothing is written where no body is on a path. */
+int plot_pull_write(const run_trace *t, const char *path);
 int plot_work_write(const run_trace *t, const char *path);   /* counts per tick against s */
 
 #endif
