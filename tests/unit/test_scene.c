@@ -272,7 +272,8 @@ static void checks_the_sheet(void) {
   check_fails("scene s\nsheet { warps 8\nball b { radius 1 cm }\n", 3, 1,
               "found 'ball' in the sheet; is the '{' of line 2 not closed? Its keys: warps, "
               "wefts, spacing, weave, density, thickness, structural, bend, shear, tear, at, "
-              "plane, gather, pleats, drag, damping, yarns, transition, loose, crimp, loose_by, "
+              "plane, gather, pleats, drag, damping, yarns, transition, loose, crimp, "
+              "stretch, stretch_damping, loose_by, "
               "slip_grip, slip_friction");
 }
 
