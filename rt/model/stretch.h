@@ -13,8 +13,9 @@ enum {
   STRETCH_DAMPING_MOST = 1 << 27
 };
 
-/* Of a class of links. A link d that is too long by e = |d|^2 - R^2, in its direction units, gives each
- * end d * e * phi(u) * mantissa * 2^-(scale + 24), Q28 lu per substep, in an inner step; stage/stretch.c. */
+/* Of a class of links. A link d that is too long by e = |d|^2 - R^2, in its direction units, gives
+ * each end d * e * phi(u) * mantissa * 2^-(scale + 24), Q28 lu per substep, in an inner step;
+ * stage/stretch.c. */
 typedef struct {
   int32_t pull, pull_scale; /* where it is stretched; mantissas are 0 or 30 bits */
   int32_t push, push_scale; /* where it is pressed */

@@ -1,18 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Yarns with a stiffness in newtons. A link of rest length r pulls its ends together with the force
- * EA (|d|/r - 1), whatever the solver does; pressed, it pushes with k_struct, as in strain.c. The force is
- * explicit, at inner steps of its own: a substep of length h is 2^b inner steps of h / 2^b, each a kick
- * of all links at once and then a move (symplectic Euler), which is stable for k (h / 2^b)^2 / m < 1/2:
- * the scene compiler chooses b. Gravity and the way of held particles come in equal parts. Projection
- * (strain.c) holds what is longer than the image's limit, which is above every tear strain.
+ * EA (|d|/r - 1), whatever the solver does; pressed, it pushes with k_struct, as in strain.c. The
+ * force is explicit, at inner steps of its own: a substep of length h is 2^b inner steps of h /
+ * 2^b, each a kick of all links at once and then a move (symplectic Euler), which is stable for k
+ * (h / 2^b)^2 / m < 1/2: the scene compiler chooses b. Gravity and the way of held particles come
+ * in equal parts. Projection (strain.c) holds what is longer than the image's limit, which is above
+ * every tear strain.
  *
- * An inner step changes velocities, Q28 lu per substep, by d * e * phi(u) * gain, e = |d|^2 - R^2 in the
- * direction units of strain.c, u = e/R^2, and phi(u) = (1 - 1/sqrt(1+u)) / u: a quartic, within 0.03 % for
- * stretches to 25 %, 0.2 % for squeezes to 25 %. What is outside of that pulls as at 25 %. Lengths have
- * 32-bit products and are known to 1/20 of a position step. What follows has 64 bits: with 16-bit
- * directions and forces of 11 bits the force went in stairs of 2^-12 of itself, and a yarn at 4 % began to
- * sing, to 3 % of its tension. Impulses are equal and opposite; those of stretch do not depend on the order of the
- * rows, those of damping, which come before them, do.
+ * An inner step changes velocities, Q28 lu per substep, by d * e * phi(u) * gain, e = |d|^2 - R^2
+ * in the direction units of strain.c, u = e/R^2, and phi(u) = (1 - 1/sqrt(1+u)) / u: a quartic,
+ * within 0.03 % for stretches to 25 %, 0.2 % for squeezes to 25 %. What is outside of that pulls as
+ * at 25 %. Lengths have 32-bit products and are known to 1/20 of a position step. What follows has
+ * 64 bits: with 16-bit directions and forces of 11 bits the force went in stairs of 2^-12 of
+ * itself, and a yarn at 4 % began to sing, to 3 % of its tension. Impulses are equal and opposite;
+ * those of stretch do not depend on the order of the rows, those of damping, which come before
+ * them, do.
  *
  * Positions move by v / 2^b and keep what rounding leaves, in the arrays of predicted positions. */
 #include "rt/model/couples.h"
@@ -20,7 +22,7 @@
 #include "rt/wide/wide.h"
 
 enum {
-  STRETCH_DV_MAX = 1 << 28,                   /* one link, one inner step */
+  STRETCH_DV_MAX = 1 << 28,                     /* one link, one inner step */
   STRETCH_SPEED_MAX = FX_SPEED_MAX - (1 << 25), /* four links more fit 32 bits */
   STRETCH_D_MAX = LINK_HI_MAX << LINK_SHIFT,
   /* phi, Q28, in powers of u */
@@ -59,7 +61,8 @@ static inline vec3 bounded(vec3 d) {
                   fx_clamp(d.z, -STRETCH_D_MAX, STRETCH_D_MAX));
 }
 
-/* dv of end i from the speed at which the ends part, along the link; fits whatever the velocities are. */
+/* dv of end i from the speed at which the ends part, along the link; fits whatever the velocities
+ * are. */
 static inline vec3 damping_impulse(const stretch_view *s, uint32_t i, uint32_t j, uint32_t kind) {
   const vec3 d = vec_make(fx_sub(s->at.x[j], s->at.x[i]), fx_sub(s->at.y[j], s->at.y[i]),
                           fx_sub(s->at.z[j], s->at.z[i]));
@@ -107,16 +110,15 @@ static inline int32_t lightness(const fray_world *w, uint32_t p) {
   return world_has_yarns(w) && couple_is_light(w, p) ? 2 : 1;
 }
 
-typedef vec3 impulse_of(const stretch_view *s, uint32_t i, uint32_t j, uint32_t kind);
-
-static inline void run_rows(fray_world *w, const stretch_view *s, uint32_t first, uint32_t end,
-                            int32_t held, impulse_of *impulse) {
+static void run_links(fray_world *w, const stretch_view *s, uint32_t first, uint32_t end,
+                      int32_t held, int damp) {
   for (uint32_t row = first; row < end; ++row) {
     const uint32_t kind = s->at.kind[row];
     if (kind == ROW_DEAD) continue;
     const uint32_t i = s->at.i[row];
     const uint32_t j = s->at.j[row];
-    const vec3 dv = impulse(s, i, j, kind & ROW_CLASS);
+    const vec3 dv = damp ? damping_impulse(s, i, j, kind & ROW_CLASS)
+                         : stretch_impulse(s, i, j, kind & ROW_CLASS);
     kick(s, j, dv, -lightness(w, j));
     if (held == BATCH_HELD) /* end i is carried by a body, which gives what end j gains */
       body_gave(&w->motion[w->grip_body[i]], -(int64_t)dv.x, -(int64_t)dv.y, -(int64_t)dv.z);
@@ -125,16 +127,7 @@ static inline void run_rows(fray_world *w, const stretch_view *s, uint32_t first
   }
 }
 
-static void damp_rows(fray_world *w, const stretch_view *s, uint32_t first, uint32_t end, int32_t held) {
-  run_rows(w, s, first, end, held, damping_impulse);
-}
-static void pull_rows(fray_world *w, const stretch_view *s, uint32_t first, uint32_t end, int32_t held) {
-  run_rows(w, s, first, end, held, stretch_impulse);
-}
-
-typedef void rows_of(fray_world *w, const stretch_view *s, uint32_t first, uint32_t end, int32_t held);
-
-static inline void each_run(fray_world *w, const stretch_view *s, rows_of *rows) {
+static void run_batches(fray_world *w, const stretch_view *s, int damp) {
   const uint32_t batches = (uint32_t)w->params->link_batches;
   uint32_t b = 0;
   while (b < batches) {
@@ -142,7 +135,7 @@ static inline void each_run(fray_world *w, const stretch_view *s, rows_of *rows)
     const uint32_t first = (uint32_t)w->batches[b].first;
     const uint32_t end = world_run_of_batches(w, &b, batches);
     if (held == BATCH_IDLE) continue;
-    rows(w, s, first, end, held);
+    run_links(w, s, first, end, held, damp);
     w->work.stretches += end - first;
   }
 }
@@ -150,13 +143,13 @@ static inline void each_run(fray_world *w, const stretch_view *s, rows_of *rows)
 /* Damping before the pull: between the pulls of its two neighbours a particle at rest would seem to
  * move. */
 static void pull_all(fray_world *w, const stretch_view *s) {
-  if (w->stretch->damping_ns != 0) each_run(w, s, damp_rows);
-  each_run(w, s, pull_rows);
+  if (w->stretch->damping_ns != 0) run_batches(w, s, 1);
+  run_batches(w, s, 0);
 }
 
 /* One inner step of 2^-bits of a substep; left: what rounding left over, 2^-(28 + bits) lu. */
-static uint32_t advance(int32_t *restrict x, int32_t *restrict left, int32_t *restrict v,
-                        uint32_t first, uint32_t end, int32_t gravity, unsigned bits) {
+static uint32_t inner_advance(int32_t *restrict x, int32_t *restrict left, int32_t *restrict v,
+                              uint32_t first, uint32_t end, int32_t gravity, unsigned bits) {
   const unsigned down = FX_SUB_BITS + bits;
   uint32_t at_edge = 0;
   for (uint32_t p = first; p < end; ++p) {
@@ -203,7 +196,10 @@ static int32_t part(int32_t gravity, int32_t step, unsigned bits) {
 
 void stretch_run(fray_world *w) {
   const stretch_view s = {{w->x, w->y, w->z, w->row_i, w->row_j, w->row_class, w->links},
-                          w->vx, w->vy, w->vz, w->pulls};
+                          w->vx,
+                          w->vy,
+                          w->vz,
+                          w->pulls};
   const uint32_t held = (uint32_t)w->params->held;
   const uint32_t end = w->particles;
   const unsigned bits = (unsigned)w->stretch->steps_bits;
@@ -214,12 +210,12 @@ void stretch_run(fray_world *w) {
   begin_axis(w, 2, w->vz, w->qz, w->rz);
   for (int32_t step = 0; step < 1 << bits; ++step) {
     pull_all(w, &s);
-    (void)advance(w->x, w->qx, w->vx, 0, held, 0, bits);
-    (void)advance(w->y, w->qy, w->vy, 0, held, 0, bits);
-    (void)advance(w->z, w->qz, w->vz, 0, held, 0, bits);
-    at_edge |= advance(w->x, w->qx, w->vx, held, end, part(g.x, step, bits), bits);
-    at_edge |= advance(w->y, w->qy, w->vy, held, end, part(g.y, step, bits), bits);
-    at_edge |= advance(w->z, w->qz, w->vz, held, end, part(g.z, step, bits), bits);
+    (void)inner_advance(w->x, w->qx, w->vx, 0, held, 0, bits);
+    (void)inner_advance(w->y, w->qy, w->vy, 0, held, 0, bits);
+    (void)inner_advance(w->z, w->qz, w->vz, 0, held, 0, bits);
+    at_edge |= inner_advance(w->x, w->qx, w->vx, held, end, part(g.x, step, bits), bits);
+    at_edge |= inner_advance(w->y, w->qy, w->vy, held, end, part(g.y, step, bits), bits);
+    at_edge |= inner_advance(w->z, w->qz, w->vz, held, end, part(g.z, step, bits), bits);
   }
   end_axis(w, w->qx, w->rx, w->x);
   end_axis(w, w->qy, w->ry, w->y);

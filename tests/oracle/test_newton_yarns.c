@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Yarns with a stiffness in newtons (stage/stretch.c) against what the scene says of them: the force at
- * which a single yarn and a uniformly pulled sheet break, over the substeps; the tension along a hanging
- * yarn; the tension while crossings split; momentum and energy. And the same table for projection, whose
- * force is the solver's.
+/* Yarns with a stiffness in newtons (stage/stretch.c) against what the scene says of them: the
+ * force at which a single yarn and a uniformly pulled sheet break, over the substeps; the tension
+ * along a hanging yarn; the tension while crossings split; momentum and energy. And the same table
+ * for projection, whose force is the solver's.
  *
- * The scene language has sheets only: a single yarn is one of two warps that are pulled alike. The wefts
- * between them stay at their rest length and carry nothing, so each bears half of the force. */
+ * The scene language has sheets only: a single yarn is one of two warps that are pulled alike. The
+ * wefts between them stay at their rest length and carry nothing, so each bears half of the force.
+ */
 #include "tests/lib/test.h"
 #include "tests/lib/world_fixture.h"
 #include "tests/lib/yarn_check.h"
@@ -101,10 +102,11 @@ static void hang(uint32_t substeps) {
   double sum[HANG_WEFTS] = {0};
   double worst = 0;
   char name[64];
-  fixture_print(&f,
-                "scene hung\nrate 1000 Hz\nsubsteps %u\nsheet {\n warps 2\n wefts %d\n spacing 12 /cm\n"
-                " stretch 0.5 N\n tear off\n drag 20 /s\n}\npin row top\n",
-                substeps, HANG_WEFTS);
+  fixture_print(
+      &f,
+      "scene hung\nrate 1000 Hz\nsubsteps %u\nsheet {\n warps 2\n wefts %d\n spacing 12 /cm\n"
+      " stretch 0.5 N\n tear off\n drag 20 /s\n}\npin row top\n",
+      substeps, HANG_WEFTS);
   for (uint32_t tick = 0; tick < HANG_REST; ++tick) (void)fixture_tick(&f, &fixture_idle);
   for (uint32_t tick = 0; tick < HANG_MEAN; ++tick) {
     (void)fixture_tick(&f, &fixture_idle);
@@ -139,7 +141,8 @@ static void a_split_keeps_the_tension_of_its_springs(void) {
     double before[WEAVE_AT];
     for (uint32_t n = 0; n < star.count; ++n) before[n] = 0;
     for (uint32_t n = 0; n < star.along_warp; ++n)
-      if (star.row[n] < (uint32_t)f.w->params->links) before[n] = tension(&f, f.w->row_of[star.row[n]]);
+      if (star.row[n] < (uint32_t)f.w->params->links)
+        before[n] = tension(&f, f.w->row_of[star.row[n]]);
     couple_split(f.w, c, FRAY_LOOSE);
     for (uint32_t n = 0; n < star.along_warp; ++n)
       if (before[n] > 0.01)
@@ -150,8 +153,8 @@ static void a_split_keeps_the_tension_of_its_springs(void) {
   fixture_close(&f);
 }
 
-/* Per cent by which the force on the bar changes from tick to tick while a sheet is drawn and all of it
- * splits, so many crossings a tick; *fall: of the force, from the first split to the last. */
+/* Per cent by which the force on the bar changes from tick to tick while a sheet is drawn and all
+ * of it splits, so many crossings a tick; *fall: of the force, from the first split to the last. */
 static double split_jump(uint32_t substeps, const char *limits, double *fall) {
   fixture f;
   yarn_check k;
@@ -179,8 +182,8 @@ static double split_jump(uint32_t substeps, const char *limits, double *fall) {
   return jump;
 }
 
-/* One crossing a tick: what a split does to the force. All of them at once: the warps straighten and press
- * their waves into the wefts, which nothing draws; that takes some milliseconds. */
+/* One crossing a tick: what a split does to the force. All of them at once: the warps straighten
+ * and press their waves into the wefts, which nothing draws; that takes some milliseconds. */
 static void the_force_does_not_jump_where_crossings_split(void) {
   for (uint32_t n = 0; n < TRIED; ++n) {
     char name[64];
@@ -216,8 +219,9 @@ static void momentum_is_kept_to_the_last_bit(void) {
   for (uint32_t trial = 0; trial < 40; ++trial) {
     fixture f;
     int64_t sum[2][3];
-    fixture_print(&f, "scene free\nrate 1000 Hz\nsubsteps %u\ngravity 0 0 0 cm/s2\nsheet {\n warps 9\n"
-                      " wefts 8\n spacing 12 /cm\n yarns on\n stretch 0.5 N\n}\n",
+    fixture_print(&f,
+                  "scene free\nrate 1000 Hz\nsubsteps %u\ngravity 0 0 0 cm/s2\nsheet {\n warps 9\n"
+                  " wefts 8\n spacing 12 /cm\n yarns on\n stretch 0.5 N\n}\n",
                   substeps_tried[trial % TRIED]);
     for (uint32_t c = 0; c < 72; ++c)
       if (fixture_random(&seed) % 2 == 0) couple_split(f.w, c, FRAY_LOOSE);
@@ -246,18 +250,24 @@ static double energy_of(const fixture *f) {
   double sum = 0;
   for (uint32_t p = (uint32_t)w->params->held; p < w->particles; ++p) {
     const double s = fixture_speed(f);
-    sum += 0.5 * fixture_mass_g(f) * s * s *
-           ((double)w->vx[p] * w->vx[p] + (double)w->vy[p] * w->vy[p] + (double)w->vz[p] * w->vz[p]);
+    sum +=
+        0.5 * fixture_mass_g(f) * s * s *
+        ((double)w->vx[p] * w->vx[p] + (double)w->vy[p] * w->vy[p] + (double)w->vz[p] * w->vz[p]);
   }
   for (uint32_t row = 0; row < (uint32_t)w->params->links; ++row) {
     const double rest = fixture_rest(w, row) * lu;
     const double off = fixture_length(w, row) * lu - rest;
-    sum += 0.5 * (off > 0 ? f->facts.stretch_un * 0.1 / rest : f->w->pulls[1].damping != 0 ? 6000 : 6e5) * off * off;
+    sum += 0.5 *
+           (off > 0                       ? f->facts.stretch_un * 0.1 / rest
+            : f->w->pulls[1].damping != 0 ? 6000
+                                          : 6e5) *
+           off * off;
   }
   return sum;
 }
 
-/* Drawn by 3 % first, so that it is taut; then, held at both ends, thrown sideways in its middle. */
+/* Drawn by 3 % first, so that it is taut; then, held at both ends, thrown sideways in its middle.
+ */
 static void pluck(const char *damping, const char *label) {
   fixture f;
   char name[64];

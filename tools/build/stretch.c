@@ -2,8 +2,8 @@
 /* Yarns with a stiffness: how many inner steps they need, and their gains. */
 #include "tools/build/draft.h"
 
-/* Products of many ratios leave what `exact` holds: m * 2^power, m of 32 bits or 0, each step rounded
- * down by less than 2^-30. */
+/* Products of many ratios leave what `exact` holds: m * 2^power, m of 32 bits or 0, each step
+ * rounded down by less than 2^-30. */
 typedef struct {
   uint64_t m;
   int power;
@@ -41,9 +41,9 @@ static rough pull_of(const scene *s, rough centimetres, rough grams) {
   return rough_div(rough_div(dyn, centimetres), grams);
 }
 
-/* A twentieth of sqrt(m/k) where the scene does not say: of the fastest wave, as short as the spacing,
- * 5 % of what would stop it, and next to nothing of a slow one. Bend and shear, which act once a tick, would
- * make some waves grow without any. */
+/* A twentieth of sqrt(m/k) where the scene does not say: of the fastest wave, as short as the
+ * spacing, 5 % of what would stop it, and next to nothing of a slow one. Bend and shear, which act
+ * once a tick, would make some waves grow without any. */
 static rough damping_time(const scene *s, rough pull) {
   if (exact_compare(s->sheet.stretch_damping, exact_make(0, 1)) >= 0)
     return rough_of(s->sheet.stretch_damping);
@@ -53,8 +53,9 @@ static rough damping_time(const scene *s, rough pull) {
   return rough_div(rough_ratio(1, 20), speed);
 }
 
-/* An explicit step is stable below 8 g + 16 c = 4 for a chain of single yarns, or of crossings whose
- * warps and wefts have been drawn into line: g = k h^2/m, c what damping takes of the speed apart. */
+/* An explicit step is stable below 8 g + 16 c = 4 for a chain of single yarns, or of crossings
+ * whose warps and wefts have been drawn into line: g = k h^2/m, c what damping takes of the speed
+ * apart. */
 static int is_stable(const scene *s, rough pull, int64_t steps_a_second) {
   const rough h = rough_ratio(1, steps_a_second);
   const rough by_step = rough_mul(pull, h);
@@ -89,7 +90,8 @@ static void gain(rough value, int32_t *mantissa, int32_t *scale) {
     fixed = rough_fixed(value, *scale + 24);
     if (fixed >= STRETCH_PULL_LEAST) break;
   }
-  *mantissa = fixed >= STRETCH_PULL_LEAST && fixed < (uint64_t)2 * STRETCH_PULL_LEAST ? (int32_t)fixed : 0;
+  *mantissa =
+      fixed >= STRETCH_PULL_LEAST && fixed < (uint64_t)2 * STRETCH_PULL_LEAST ? (int32_t)fixed : 0;
 }
 
 static int make_class(const draft *d, const stretch_params *p, const link_class *link,
@@ -97,7 +99,8 @@ static int make_class(const draft *d, const stretch_params *p, const link_class 
   const scene *s = d->scene;
   const rough length = rough_div(rough_ratio(link->rest, FX_LU), rough_of(d->lu_per_cm));
   const rough h = rough_ratio(1, (int64_t)s->rate_hz * d->substeps);
-  const rough inner = rough_ratio(1, (int64_t)((uint64_t)s->rate_hz * d->substeps << p->steps_bits));
+  const rough inner =
+      rough_ratio(1, (int64_t)((uint64_t)s->rate_hz * d->substeps << p->steps_bits));
   const rough kicks = rough_mul(rough_mul(inner, h), rough_ratio(16, link->r2));
   const rough stretched = pull_of(s, length, rough_of(d->particle_mass));
   const rough pressed = rough_of(exact_div(s->sheet.structural, d->particle_mass));
@@ -107,12 +110,15 @@ static int make_class(const draft *d, const stretch_params *p, const link_class 
   gain(rough_mul(rough_is_less(pressed, stretched) ? pressed : stretched, kicks), &pull->push,
        &pull->push_scale);
   if (pull->pull == 0)
-    return draft_refuse(d, s->sheet.line, "stretch: too weak for crossings of this mass at %u Hz with "
-                        "%u substeps; expected a stiffer or lighter yarn", s->rate_hz, d->substeps);
+    return draft_refuse(d, s->sheet.line,
+                        "stretch: too weak for crossings of this mass at %u Hz with "
+                        "%u substeps; expected a stiffer or lighter yarn",
+                        s->rate_hz, d->substeps);
   if (damping > STRETCH_DAMPING_MOST)
     return draft_refuse(d, s->sheet.line, "stretch_damping: expected a shorter time");
   pull->damping = (int32_t)damping;
-  *limit = link_class_make(link->rest + (int32_t)fx_round64(fx_mul_wide(link->rest, p->limit), 16), 0);
+  *limit =
+      link_class_make(link->rest + (int32_t)fx_round64(fx_mul_wide(link->rest, p->limit), 16), 0);
   return 1;
 }
 
@@ -132,16 +138,19 @@ static int stretch_words(const draft *d, stretch_params *p) {
   const rough pull = pull_of(s, shorter_spacing(s), rough_of(d->particle_mass));
   if (damping_time(s, pull).m == 0 &&
       rough_is_less(rough_of(exact_div(s->sheet.structural, d->particle_mass)), pull))
-    return draft_refuse(d, s->sheet.line, "stretch_damping: expected more than 0 where pressed yarns are "
+    return draft_refuse(d, s->sheet.line,
+                        "stretch_damping: expected more than 0 where pressed yarns are "
                         "softer than stretched ones: steps over that bend make waves grow");
   if (!exact_to_fixed(limit, 16, &word) || word >= 1 << 14)
-    return draft_refuse(d, s->sheet.line, "tear: expected at most 19 %% for yarns with a stiffness");
+    return draft_refuse(d, s->sheet.line,
+                        "tear: expected at most 19 %% for yarns with a stiffness");
   p->limit = (int32_t)word;
   if (!exact_to_fixed(exact_mul(s->sheet.stretch, exact_make(1000000, 1)), 0, &word) || word < 1 ||
       word > INT32_MAX)
     return draft_refuse(d, s->sheet.line, "stretch: expected 0.1 mN to 2 kN");
   p->stiffness_un = (int32_t)word;
-  p->damping_ns = (int32_t)rough_fixed(rough_mul(damping_time(s, pull), rough_ratio(1000000000, 1)), 0);
+  p->damping_ns =
+      (int32_t)rough_fixed(rough_mul(damping_time(s, pull), rough_ratio(1000000000, 1)), 0);
   return 1;
 }
 
@@ -162,7 +171,8 @@ static int bodies_are_stable(const draft *d) {
     const rough pull = pull_of(s, length, rough_of(s->bodies[b].mass));
     const rough g = rough_mul(rough_mul(rough_mul(pull, rough_ratio(links, 1)), h), h);
     if (rough_is_less(rough_ratio(1, 1), g))
-      return draft_refuse(d, s->bodies[b].line, "%s: %lld yarns as stiff as these throw so light a body; "
+      return draft_refuse(d, s->bodies[b].line,
+                          "%s: %lld yarns as stiff as these throw so light a body; "
                           "expected more substeps than %u, or a greater mass",
                           s->bodies[b].name, (long long)links, d->substeps);
   }
