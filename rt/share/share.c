@@ -70,7 +70,7 @@ fray_share *fray_share_open(fray_world *w, uint32_t workers, void *memory, size_
   s->world = w;
   s->workers = workers;
   s->passes = (uint32_t)w->params->substeps * (uint32_t)w->params->sweeps;
-  s->block_count = has_free_body(w) ? 0 : plan_cut(w, s->blocks, s->scratch);
+  s->block_count = has_free_body(w) || is_whole(w) ? 0 : plan_cut(w, s->blocks, s->scratch);
   if (s->block_count < BLOCKS_LEAST) s->block_count = 0;
   share_order(s);
   return s;
