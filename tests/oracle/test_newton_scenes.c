@@ -48,13 +48,6 @@ static void compare_tick(const fray_output *one, const fray_output *two, uint32_
                 memcmp(&one->work, &two->work, sizeof one->work) != 0;
 }
 
-static void within_limits(const fixture *f, const fray_work *work, uint32_t *over) {
-  const fray_work most = fray_limits(f->w);
-  *over += work->stretches > most.stretches || work->projections > most.projections ||
-           work->predictions > most.predictions || work->slips > most.slips ||
-           work->splits > most.splits || work->cuts > most.cuts;
-}
-
 /* Opens what it saves, every so often, also while it tears. */
 static void save_and_open(fixture *f) {
   fixture next;
@@ -83,6 +76,7 @@ static pull run_scene(const char *path, uint32_t drawn, uint32_t axis) {
   }
   const int yarns = world_has_yarns(plain.w);
   const fray_body start = fray_view_body(plain.w, drawn);
+  const fray_work most = fray_limits(plain.w);
   if (yarns) yarn_check_open(&k, &plain);
   for (uint32_t tick = 0; tick < TICKS; ++tick) {
     const fray_output out = fixture_tick(&plain, &fixture_idle);
@@ -93,7 +87,7 @@ static pull run_scene(const char *path, uint32_t drawn, uint32_t axis) {
       compare_tick(&out, &wide, &different[n]);
     }
     if (yarns) yarn_check_tick(&k, &plain);
-    within_limits(&plain, &out.work, &over);
+    over += !fixture_within(&out.work, &most);
     note_cuts(&plain, dead, &p);
     force[tick] = force_on(&plain, drawn, axis);
     if (force[tick] > p.peak) p.opening_there = way_of(&plain, drawn, &start);
