@@ -31,6 +31,12 @@ function rounds(what) {
   if (what == "weighings") return yarns * damping
   if (what == "weighed") return yarns * damping * (particles - held)
   if (what == "axis_weighed") return 6 * yarns * damping * (particles - held)
+  if (what == "stretches") return stretches
+  if (what == "stretch_steps") return inner_steps * substeps
+  if (what == "batch_pulls") return (stretches != 0) * 2 * link_batches * inner_steps * substeps
+  if (what == "pull_held") return (stretches != 0) * 3 * held * substeps
+  if (what == "pull_free") return (stretches != 0) * 3 * most["predictions"]
+  if (what == "inner_moves") return 3 * inner_steps * (most["predictions"] + held * substeps)
   if (what == "batch_sweeps") return link_batches * sweeps * substeps
   if (what == "spring_batches") return spring_batches
   if (what == "springs") return most["springs"]
@@ -79,7 +85,7 @@ $1 == "limits" {
   strong = $22; springs_held = $33; paths = $34; mirrored = $35; hands = $36
   output_bytes = $23; motion_bytes = $24
   yarns = $37; spares = $38; slips = $39; splits = $40; all_yarn = $41
-  warps = $3; wefts = $42; crossings = $3 * $42; particles += spares
+  warps = $3; wefts = $42; stretches = $43; inner_steps = $44; crossings = $3 * $42; particles += spares
   most["predictions"] = $25; most["projections"] = $26; most["springs"] = $27; most["contacts"] = $28
   most["gathers"] = $29; most["tear_tests"] = $30; most["cuts"] = $32
   depth = 0

@@ -48,7 +48,8 @@ static inline void limits_print(const char *name, const fray_world *w) {
                             most.gathers, most.tear_tests, most.over, most.cuts,
                             limits_held_rows(w, p->link_batches, batches), paths,
                             p->tear_mirrored != 0, p->hands != 0, yarns, spares, most.slips, most.splits,
-                            yarns != 0 && w->yarns->all_yarn != 0, (uint32_t)p->wefts};
+                            yarns != 0 && w->yarns->all_yarn != 0, (uint32_t)p->wefts, most.stretches,
+                            world_has_stretch(w) ? 1u << (uint32_t)w->stretch->steps_bits : 0};
   for (uint32_t m = 0; m < sizeof words / sizeof words[0]; ++m) line_number(&l, words[m]);
   print_line(&l);
 }

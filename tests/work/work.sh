@@ -34,6 +34,8 @@ prepare() {
     scene yarns $n 1000 yarns_$n
     set -- "$@" yarns_$n "$work/yarns_$n.img" "$work/hands.log" - 300
   done
+  scene stretch 8 1000 stretch_8
+  set -- "$@" stretch_8 "$work/stretch_8.img" "$work/hands.log" - 300
   "$FRAY_BUILD/tests/cross/emit" "$@" >"$work/cases.c"
   ${CC:-cc} -std=c11 -O2 -Wall -Wextra -Werror -shared -fPIC tests/work/stage_count.c \
     -o "$work/stage_count.so"

@@ -4,7 +4,7 @@
  *
  *   limits CASE ...             what bounds the loops of a tick; see bound.awk
  *   tick CASE N torn predictions projections springs contacts gathers tear_tests over cuts
- *       transitions splits slips
+ *       transitions splits slips stretches
  *   storm CASE N torn ...       the same
  *   bend CASE rows, shear CASE rows
  *
@@ -35,7 +35,7 @@ static void print_work(const char *what, const cross_case *c, uint32_t n, uint32
   line l = line_begin(what, c->name);
   const uint32_t words[] = {n, torn, k->predictions, k->projections, k->springs, k->contacts,
                             k->gathers, k->tear_tests, k->over, k->cuts, k->transitions, k->splits,
-                            k->slips};
+                            k->slips, k->stretches};
   for (uint32_t m = 0; m < sizeof words / sizeof words[0]; ++m) line_number(&l, words[m]);
   print_line(&l);
 }
@@ -45,7 +45,8 @@ static int within(const fray_work *k, const fray_work *most) {
          k->springs <= most->springs && k->contacts <= most->contacts &&
          k->gathers <= most->gathers && k->tear_tests <= most->tear_tests &&
          k->over <= most->over && k->cuts <= most->cuts && k->transitions <= most->transitions &&
-         k->splits <= most->splits && k->slips <= most->slips;
+         k->splits <= most->splits && k->slips <= most->slips &&
+         k->stretches <= most->stretches;
 }
 
 static int one_tick(const char *what, const cross_case *c, fray_world *w, uint32_t n, const fray_input *in) {
