@@ -22,7 +22,7 @@
 #include "rt/wide/wide.h"
 
 enum {
-  STRETCH_DV_MAX = 1 << 28,                     /* one link, one inner step */
+  STRETCH_DV_MAX = 1 << 27, /* one link, one pass: four whole ends or two light ones, twice, fit */
   STRETCH_SPEED_MAX = FX_SPEED_MAX - (1 << 25), /* four links more fit 32 bits */
   STRETCH_D_MAX = LINK_HI_MAX << LINK_SHIFT,
   /* phi, Q28, in powers of u */
