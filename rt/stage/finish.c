@@ -10,6 +10,11 @@ static int32_t slowed(int32_t v, int32_t lost) {
   return (int32_t)fx_clamp64((int64_t)v - lost, -FX_SPEED_MAX, FX_SPEED_MAX);
 }
 
+/* A light particle loses an even speed, so that its momentum is a whole number too. */
+static int32_t parts_of(const fray_world *w, uint32_t p) {
+  return world_has_yarns(w) && couple_is_light(w, p) ? 2 : 1;
+}
+
 static void settle_contact(fray_world *w, const contact *c) {
   const uint32_t p = c->particle;
   const int32_t *bv = w->body_states[c->body].velocity;
@@ -18,12 +23,11 @@ static void settle_contact(fray_world *w, const contact *c) {
                              fx_saturate((int64_t)w->vz[p] - bv[2]));
   const int32_t speed = vec_dot_unit(away, c->normal);
   if (speed <= 0) return;
-  /* a light particle loses an even speed, so that its momentum is a whole number too */
-  const int32_t light = world_has_yarns(w) && couple_is_light(w, p) ? 2 : 1;
-  const vec3 lost = vec_scale_unit(c->normal, speed / light);
-  w->vx[p] = slowed(w->vx[p], lost.x * light);
-  w->vy[p] = slowed(w->vy[p], lost.y * light);
-  w->vz[p] = slowed(w->vz[p], lost.z * light);
+  const int32_t parts = parts_of(w, p);
+  const vec3 lost = vec_scale_unit(c->normal, speed / parts);
+  w->vx[p] = slowed(w->vx[p], lost.x * parts);
+  w->vy[p] = slowed(w->vy[p], lost.y * parts);
+  w->vz[p] = slowed(w->vz[p], lost.z * parts);
   body_gave(&w->motion[c->body], -(int64_t)lost.x, -(int64_t)lost.y, -(int64_t)lost.z);
 }
 
@@ -32,8 +36,10 @@ static void settle_level(fray_world *w, const contact *c) {
   const uint32_t p = c->particle;
   const int32_t speed = fx_saturate((int64_t)w->vy[p] - w->body_states[c->body].velocity[1]);
   if (speed <= 0) return;
-  w->vy[p] = slowed(w->vy[p], speed);
-  body_gave(&w->motion[c->body], 0, -(int64_t)speed, 0);
+  const int32_t parts = parts_of(w, p);
+  const int32_t lost = speed / parts;
+  w->vy[p] = slowed(w->vy[p], lost * parts);
+  body_gave(&w->motion[c->body], 0, -(int64_t)lost, 0);
 }
 
 /* A free body gets the opposite of what the cloth gained from it since the last substep. */
