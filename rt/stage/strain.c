@@ -31,9 +31,10 @@ static inline int32_t half_strain(int32_t u) {
   return fx_asr(fx_mul(u, psi_q13) + (1 << 12), 13);
 }
 
-/* f in Q20, -1/6..1/10, from e = |d|^2 - r^2. */
+/* f in Q20, -1/6..1/10, from e = |d|^2 - r^2. Of ends less than 4 units apart the product may come
+ * out below -2^31 and wrap: they are moved by at most 3 f, whichever way. */
 static inline int32_t projection_factor(int32_t e, const link_class *c) {
-  const int32_t u = fx_asr(fx_mul(fx_asr(e + 16, 5), c->inverse) + (1 << 10), 11);
+  const int32_t u = fx_asr(fx_wrap_add(fx_wrap_mul(fx_asr(e + 16, 5), c->inverse), 1 << 10), 11);
   if (__builtin_expect(u >= 0, 1)) return half_strain(u);
   return fx_asr(fx_mul(half_strain(fx_max(u, LINK_U_LEAST)), c->push), 12);
 }
