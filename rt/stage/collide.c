@@ -157,40 +157,45 @@ static int32_t move_within(fray_world *w, int32_t *at, int32_t by) {
   return *at - before;
 }
 
-/* A body as its contacts meet it in a substep. */
+/* A body as its contacts meet it in a substep. Narrow cores take every contact by the longest way:
+ * short cuts would make it longer, and that is what bounds their ticks. */
 typedef struct {
   const body *shape;
   vec3 at, moved;
-  uint64_t touch; /* squared: a ball that is not nearer is apart */
+  uint64_t touch; /* squared: a ball that is not nearer is apart; 0 for others */
   int32_t skin;
   int level;      /* a plane that faces up: its normal is (0, 1, 0) */
 } encounter;
 
-static encounter encounter_with(const fray_world *w, uint32_t b) {
+static inline int is_level(const encounter *e) { return !FX_NARROW && e->level; }
+
+static void begin_encounter(const fray_world *w, uint32_t b, encounter *e) {
   const body *s = &w->bodies[b];
   const int32_t *at = w->body_states[b].position;
-  const encounter e = {s, vec_make(at[0], at[1], at[2]), w->motion[b].moved,
-                       s->shape == FRAY_BALL ? fx_square(s->radius + w->params->thickness) : UINT64_MAX,
-                       w->params->thickness,
-                       s->shape == FRAY_PLANE && s->axes[3] == 0 && s->axes[4] == 1 << 30 &&
-                           s->axes[5] == 0};
-  return e;
+  const vec3 *moved = &w->motion[b].moved;
+  e->shape = s;
+  e->at = vec_make(at[0], at[1], at[2]);
+  e->moved = vec_make(moved->x, moved->y, moved->z);
+  e->skin = w->params->thickness;
+  e->touch = !FX_NARROW && s->shape == FRAY_BALL ? fx_square(s->radius + e->skin) : 0;
+  e->level = !FX_NARROW && s->shape == FRAY_PLANE && s->axes[3] == 0 && s->axes[4] == 1 << 30 &&
+             s->axes[5] == 0;
 }
 
 /* Products with (0, 1, 0) are exact: where the normal is that, they are left out. */
 static void resolve(fray_world *w, const encounter *e, contact *c, vec3 d) {
   const uint32_t p = c->particle;
-  const int32_t depth = e->level ? (int32_t)fx_clamp64((int64_t)e->skin - d.y, 0, INT32_MAX)
+  const int32_t depth = is_level(e) ? (int32_t)fx_clamp64((int64_t)e->skin - d.y, 0, INT32_MAX)
                                  : depth_in(e->shape, d, e->skin, &c->normal);
   if (depth <= 0) return;
-  c->touching = e->level ? CONTACT_LEVEL : CONTACT_TOUCHES;
-  const vec3 out = e->level ? vec_make(0, depth, 0) : vec_scale_unit(c->normal, depth);
+  c->touching = is_level(e) ? CONTACT_LEVEL : CONTACT_TOUCHES;
+  const vec3 out = is_level(e) ? vec_make(0, depth, 0) : vec_scale_unit(c->normal, depth);
   /* what the particle moved in this substep against the body: step, projections, this push */
   const vec3 step = vec_make(fx_round(w->vx[p], FX_SUB_BITS), fx_round(w->vy[p], FX_SUB_BITS),
                              fx_round(w->vz[p], FX_SUB_BITS));
   const vec3 since = vec_sub(world_position(w, p), vec_make(w->qx[p], w->qy[p], w->qz[p]));
   const vec3 moved = vec_sub(vec_add(vec_add(step, since), out), e->moved);
-  const vec3 along = e->level ? vec_make(0, fx_max(moved.y, -INT32_MAX), 0)
+  const vec3 along = is_level(e) ? vec_make(0, fx_max(moved.y, -INT32_MAX), 0)
                               : vec_scale_unit(c->normal, vec_dot_unit(moved, c->normal));
   const int32_t limit = fx_saturate(fx_mul_wide(depth, e->shape->friction) >> 16);
   /* friction takes back all of the slip within the cone, else `limit` of it */
@@ -238,26 +243,36 @@ static uint32_t meet_level(fray_world *w, const encounter *e, uint32_t b, uint32
   return taken;
 }
 
-/* Contacts of one body; a kernel takes every particle for whole. */
-static void meet(fray_world *w, const encounter *e, uint32_t b, uint32_t first, uint32_t end) {
-  const int whole = !world_has_yarns(w);
-  const uint32_t taken = e->level && whole ? meet_level(w, e, b, first, end) : 0;
-  for (uint32_t n = first + taken; n < end; ++n) {
-    contact *c = &w->contacts[n];
-    const uint32_t p = c->particle;
-    c->touching = CONTACT_APART;
-    const vec3 d = vec_sub(world_position(w, p), e->at);
-    if (e->level ? d.y < e->skin : vec_squared(d) < e->touch) resolve(w, e, c, d);
+static inline void meet(fray_world *w, const encounter *e, contact *c) {
+  const vec3 d = vec_sub(world_position(w, c->particle), e->at);
+  c->touching = CONTACT_APART;
+  if (FX_NARROW || (is_level(e) ? d.y < e->skin : e->touch == 0 || vec_squared(d) < e->touch))
+    resolve(w, e, c, d);
+}
+
+/* Contacts of body b, from `first` on; returns where they end. A kernel takes every particle for whole. */
+static inline uint32_t meet_body(fray_world *w, uint32_t b, uint32_t first, uint32_t end) {
+  encounter e;
+  uint32_t n = first;
+  begin_encounter(w, b, &e);
+  if (is_level(&e) && w->kernel != FRAY_KERNEL_SCALAR && !world_has_yarns(w)) {
+    uint32_t last = first;
+    while (last < end && w->contacts[last].body == b) ++last;
+    n += meet_level(w, &e, b, first, last);
   }
+  for (; n < end && w->contacts[n].body == b; ++n) meet(w, &e, &w->contacts[n]);
+  return n;
 }
 
 void collide_part(fray_world *w, uint32_t first, uint32_t end) {
-  for (uint32_t n = first; n < end;) {
-    const uint32_t b = w->contacts[n].body;
-    const uint32_t begun = n;
-    const encounter e = encounter_with(w, b);
-    while (n < end && w->contacts[n].body == b) ++n;
-    meet(w, &e, b, begun, n);
+  if (FX_NARROW) {
+    for (uint32_t n = first; n < end; ++n) {
+      encounter e;
+      begin_encounter(w, w->contacts[n].body, &e);
+      meet(w, &e, &w->contacts[n]);
+    }
+  } else {
+    for (uint32_t n = first; n < end;) n = meet_body(w, w->contacts[n].body, n, end);
   }
   w->work.contacts += end - first;
 }
