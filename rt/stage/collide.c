@@ -183,11 +183,14 @@ static void begin_encounter(const fray_world *w, uint32_t b, encounter *e) {
 }
 
 /* Products with (0, 1, 0) are exact: where the normal is that, they are left out. */
-static void resolve(fray_world *w, const encounter *e, contact *c, vec3 d) {
+__attribute__((always_inline)) static inline void resolve(fray_world *w, const encounter *e, contact *c, vec3 d) {
   const uint32_t p = c->particle;
   const int32_t depth = is_level(e) ? (int32_t)fx_clamp64((int64_t)e->skin - d.y, 0, INT32_MAX)
                                  : depth_in(e->shape, d, e->skin, &c->normal);
-  if (depth <= 0) return;
+  if (depth <= 0) {
+    c->touching = CONTACT_APART;
+    return;
+  }
   c->touching = is_level(e) ? CONTACT_LEVEL : CONTACT_TOUCHES;
   const vec3 out = is_level(e) ? vec_make(0, depth, 0) : vec_scale_unit(c->normal, depth);
   /* what the particle moved in this substep against the body: step, projections, this push */
@@ -245,9 +248,10 @@ static uint32_t meet_level(fray_world *w, const encounter *e, uint32_t b, uint32
 
 static inline void meet(fray_world *w, const encounter *e, contact *c) {
   const vec3 d = vec_sub(world_position(w, c->particle), e->at);
-  c->touching = CONTACT_APART;
   if (FX_NARROW || (is_level(e) ? d.y < e->skin : e->touch == 0 || vec_squared(d) < e->touch))
     resolve(w, e, c, d);
+  else
+    c->touching = CONTACT_APART;
 }
 
 /* Contacts of body b, from `first` on; returns where they end. A kernel takes every particle for whole. */

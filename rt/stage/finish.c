@@ -66,7 +66,7 @@ void finish_part(fray_world *w, uint32_t first, uint32_t end) {
 void finish_contacts(fray_world *w, uint32_t first, uint32_t end) {
   for (uint32_t n = first; n < end; ++n) {
     const contact *c = &w->contacts[n];
-    if (c->touching == CONTACT_LEVEL)
+    if (!FX_NARROW && c->touching == CONTACT_LEVEL)
       settle_level(w, c);
     else if (c->touching != 0)
       settle_contact(w, c);
