@@ -25,7 +25,8 @@ void hash_words(hash *h, const int32_t *words, uint32_t count) {
   for (; n + HASH_LANES <= count; n += HASH_LANES)
     for (uint32_t k = 0; k < HASH_LANES; ++k)
       h->lane[k] = hash_step(h->lane[k], (uint32_t)words[n + k]);
-  for (uint32_t k = 0; n < count; ++n, ++k) h->lane[k] = hash_step(h->lane[k], (uint32_t)words[n]);
+  for (; n < count; ++n)
+    h->lane[n % HASH_LANES] = hash_step(h->lane[n % HASH_LANES], (uint32_t)words[n]);
 }
 
 void hash_bytes(hash *h, const int8_t *bytes, uint32_t count) {
@@ -33,8 +34,8 @@ void hash_bytes(hash *h, const int8_t *bytes, uint32_t count) {
   for (; n + HASH_LANES <= count; n += HASH_LANES)
     for (uint32_t k = 0; k < HASH_LANES; ++k)
       h->lane[k] = hash_step(h->lane[k], (uint32_t)(int32_t)bytes[n + k]);
-  for (uint32_t k = 0; n < count; ++n, ++k)
-    h->lane[k] = hash_step(h->lane[k], (uint32_t)(int32_t)bytes[n]);
+  for (; n < count; ++n)
+    h->lane[n % HASH_LANES] = hash_step(h->lane[n % HASH_LANES], (uint32_t)(int32_t)bytes[n]);
 }
 #endif
 

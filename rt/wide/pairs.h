@@ -31,7 +31,7 @@ typedef struct {
   uint32_t i[LANES], j[LANES], kinds[LANES];
 } pairs;
 
-LANES_INLINE const int32_t *pairs_at(const int32_t *words, intptr_t n) {
+FX_WRAPS LANES_INLINE const int32_t *pairs_at(const int32_t *words, intptr_t n) {
   return (const int32_t *)((uintptr_t)words + (uintptr_t)n * sizeof *words);
 }
 

@@ -13,7 +13,7 @@ static const uint32_t shape[POOLS] = {1,       1,       PARTICLES, HELD, CROSSIN
                                       CLASSES, CLASSES, BODIES,    KEYS, CONTACTS,  CUTS};
 
 /* Words of 64 bits, so that both are aligned. */
-enum { IMAGE_ROOM = 2048, MEMORY_ROOM = 2048 };
+enum { IMAGE_ROOM = 2048, MEMORY_ROOM = 4096 };
 static uint64_t image_room[IMAGE_ROOM / 8];
 static uint64_t memory_room[MEMORY_ROOM / 8];
 #define IMAGE_AT(bytes) ((uint8_t *)image_room + IMAGE_ROOM - (bytes))
