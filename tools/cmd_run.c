@@ -288,7 +288,7 @@ static int run_all(run_job *j) {
 
 int cmd_run(int argc, char **argv) {
   run_options o;
-  run_job *j = calloc(1, sizeof *j);
+  run_job *j = crew_room(sizeof *j);
   memset(&o, 0, sizeof o);
   o.priority = PRIORITY;
   o.cpu = LIVE_ANY_CPU;

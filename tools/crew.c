@@ -3,6 +3,13 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+
+void *crew_room(size_t bytes) {
+  void *room = aligned_alloc(_Alignof(crew), bytes);
+  if (room != NULL) memset(room, 0, bytes);
+  return room;
+}
 
 int crew_open(crew *c, fray_world *world, uint32_t workers, int cpu) {
   const uint32_t count = team_size(world, workers);

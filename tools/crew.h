@@ -10,6 +10,9 @@ typedef struct {
   void *memory;
 } crew;
 
+/* Zeros for a structure with a crew in it, aligned as threads want it; NULL: no memory. free() it. */
+void *crew_room(size_t bytes);
+
 /* `workers` as in team_size(), `cpu` as in team_open(). Returns 1, or 0 after a message to stderr. */
 int crew_open(crew *c, fray_world *world, uint32_t workers, int cpu);
 void crew_close(crew *c);

@@ -136,10 +136,10 @@ static void drop(shot *t) {
 
 static const uint8_t *pixel_at(const shot *t, v3 p) {
   canvas_vertex v;
-  if (!camera_project(&t->cam, p, &v) || v.x < 0 || v.y < 0 || v.x >= WIDTH || v.y >= HEIGHT) {
-    CHECK(!"in the picture");
-    return t->pixels;
-  }
+  const int in_picture =
+      camera_project(&t->cam, p, &v) && v.x >= 0 && v.y >= 0 && v.x < WIDTH && v.y < HEIGHT;
+  CHECK(in_picture);
+  if (!in_picture) return t->pixels;
   return t->pixels + 3 * ((size_t)v.y * WIDTH + (size_t)v.x);
 }
 

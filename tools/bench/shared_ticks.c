@@ -54,7 +54,7 @@ static int run_turns(race *r, const session *s, uint32_t turns) {
 }
 
 int shared_ticks_time(const session *s, uint32_t ticks, uint32_t workers, shared_times *t) {
-  race *r = calloc(1, sizeof *r);
+  race *r = crew_room(sizeof *r);
   uint32_t turns = ticks / TURN < TURNS_MAX ? ticks / TURN : (uint32_t)TURNS_MAX;
   if (turns == 0) turns = 1;
   t->workers = workers;
