@@ -50,7 +50,7 @@ config_bare() {
   # 16 KiB of RAM, 2 of them the stack: one image is saved, once, and its world runs from there
   if [ "$1" = microbit ]; then
     CASES=tiny RESTORED=once
-    LIMITS="-DCROSS_MEMORY=5632 -DCROSS_SAVED=7168 -DCROSS_SAVED_IMAGES=1"
+    LIMITS="-DCROSS_MEMORY=5632 -DCROSS_SAVED=7424 -DCROSS_SAVED_IMAGES=1"
   fi
 }
 
