@@ -320,15 +320,19 @@ static int answer_command(const reader *r, uint8_t *answered, uint32_t n) {
   replay_tick *tick = &r->out->ticks[n];
   const uint8_t counter = (uint8_t)(tick->ack[1] >> 4);
   const int limit = line_limit(r, n);
+  const candump_entry *entries = r->log->entries;
   size_t end = r->log->count;
-  while (end > 0 && r->log->entries[end - 1].line >= limit) --end;
-  for (size_t at = end; at > 0 && end - at < COMMAND_WINDOW; --at)
+  while (end > 0 && entries[end - 1].line >= limit) --end;
+  uint32_t before = 0; /* behind the ACK a crowded bus may go on without SYNCs */
+  for (size_t at = end; at > 0 && before < COMMAND_WINDOW; --at) {
+    before += entries[at - 1].line < tick->ack_line;
     if (is_open_command(r, answered, at - 1, tick->ack[2], counter)) {
       answered[at - 1] = 1;
       tick->input.verb = tick->ack[2];
       tick->input.verb_counter = counter;
       return 1;
     }
+  }
   return candump_fail(r->error, r->file, tick->ack_line, 0,
                       "ACK of verb %d with counter %d, whose COMMAND is not in the log",
                       tick->ack[2], counter);

@@ -127,6 +127,24 @@ static void without_a_closing_sync(void) {
   replay_free(&run);
 }
 
+/* Others may fill the bus when the runtime has gone. */
+static void a_bus_that_goes_on_behind_the_last_sync(void) {
+  enum { OTHERS = 5000 };
+  static char text[(LINES + OTHERS) * 64];
+  for (int n = 0; n < LINES - 1; ++n) {
+    strcat(text, GOOD[n]);
+    strcat(text, "\n");
+  }
+  size_t end = strlen(text);
+  for (int n = 0; n < OTHERS; ++n)
+    end += (size_t)sprintf(text + end, "(1.002200) vcan0 400#%016X\n", (unsigned)n);
+  CHECK(read_text(text, &LEFT));
+  CHECK_EQ_INT(run.count, 3);
+  if (run.count != 3) return;
+  CHECK_EQ_INT(run.ticks[1].input.verb, FRAY_VERB_START);
+  replay_free(&run);
+}
+
 /* POSEs and COMMANDs that fail E2E never entered the world. */
 static void bad_inputs_are_passed_over(void) {
   const char *lines[LINES];
@@ -311,6 +329,7 @@ int main(void) {
   TEST(frames_twice);
   TEST(of_equal_syncs_the_last_counts);
   TEST(without_a_closing_sync);
+  TEST(a_bus_that_goes_on_behind_the_last_sync);
   TEST(bad_inputs_are_passed_over);
   TEST(missing_frames);
   TEST(damaged_frames);
