@@ -10,6 +10,7 @@
 #include "tools/bench/result.h"
 #include "tools/bench/shared_ticks.h"
 #include "tools/bench/sheets.h"
+#include "tools/bench/yarn_times.h"
 #include "tools/options.h"
 
 enum { SHEET_TICKS = 200, SCENE_TICKS = 1000, TICKS_MAX = 100000, RUN_ROWS_LEAST = 1000,
@@ -18,7 +19,7 @@ enum { SHEET_TICKS = 200, SCENE_TICKS = 1000, TICKS_MAX = 100000, RUN_ROWS_LEAST
 typedef struct {
   const char *scene, *log, *key, *kernel, *json_file, *rows_file;
   uint32_t ticks, workers;
-  int sweep, machine;
+  int sweep, yarns, machine;
 } wishes;
 
 typedef struct {
@@ -36,6 +37,8 @@ static void print_usage(FILE *out) {
           "  --log IN.log     what drives the scene; --key FILE: of a recording under a key\n"
           "  --machine        says what figures belong to: processor and compiler\n"
           "  --sweep          instead: time per tick against crossings, 1k to 250k\n"
+          "  --yarns          instead: a torn sheet of 120x60, the two-level model beside all yarn;\n"
+          "                   with --sweep: torn sheets of 1k to 40k crossings\n"
           "  --ticks N        how many (default: the log's, or 1000; of a sheet 200)\n"
           "  --workers N      also ticks shared by N threads, beside those of one (default 2)\n"
           "  --kernel NAME    scalar, avx2, avx512, neon (default: all; --sweep: the fastest)\n"
@@ -169,12 +172,24 @@ static int bench_growth(const wishes *wish, sinks *to) {
   return 0;
 }
 
+static int bench_yarns(const wishes *wish) {
+  yarn_growth g;
+  yarn_levels l;
+  const int code =
+      wish->sweep ? yarn_growth_measure(wish->kernel, &g) : yarn_levels_measure(wish->kernel, &l);
+  if (code == 0 && wish->sweep) yarn_growth_print(stdout, &g);
+  if (code == 0 && !wish->sweep) yarn_levels_print(stdout, &l);
+  return code;
+}
+
 static int bench(const wishes *wish) {
   sinks to;
   int code;
   if (!open_sinks(wish, &to)) return 1;
   machine_print(stdout);
-  if (wish->sweep) {
+  if (wish->yarns) {
+    code = bench_yarns(wish);
+  } else if (wish->sweep) {
     code = bench_growth(wish, &to);
   } else {
     if (to.json_out != NULL) json_begin(&to.j, "scenes", '[');
@@ -190,6 +205,9 @@ static const char *contradiction(const wishes *wish) {
   if (wish->log != NULL && wish->scene == NULL) return "--log goes with a scene";
   if (wish->machine && (wish->sweep || wish->scene != NULL))
     return "--machine says only what the machine is, expected no scene and no --sweep";
+  if (wish->yarns && (wish->scene != NULL || wish->ticks != 0 || wish->machine ||
+                      wish->json_file != NULL || wish->rows_file != NULL))
+    return "--yarns makes its own sheets and prints, expected no scene, --ticks, --json or --rows";
   if (wish->sweep && (wish->scene != NULL || wish->ticks != 0))
     return "--sweep makes its own sheets, expected no scene and no --ticks";
   return NULL;
@@ -203,6 +221,7 @@ int cmd_bench(int argc, char **argv) {
                           {"--key", &wish.key, NULL, NULL, 0, 0},
                           {"--machine", NULL, NULL, &wish.machine, 0, 0},
                           {"--sweep", NULL, NULL, &wish.sweep, 0, 0},
+                          {"--yarns", NULL, NULL, &wish.yarns, 0, 0},
                           {"--ticks", NULL, &wish.ticks, NULL, 1, TICKS_MAX},
                           {"--workers", NULL, &wish.workers, NULL, 1, 16},
                           {"--kernel", &wish.kernel, NULL, NULL, 0, 0},

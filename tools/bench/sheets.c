@@ -5,17 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-int sheet_open(uint32_t warps, uint32_t wefts, session *s) {
-  char text[512];
-  char name[32];
+static int compile(const char *name, const char *text, int bytes, session *s) {
   scene_error error;
   build_report report;
-  snprintf(name, sizeof name, "%ux%u", warps, wefts);
-  const int bytes = snprintf(text, sizeof text,
-                             "scene bench\nrate 1000 Hz\nsubsteps %d\nsweeps 1\n"
-                             "sheet {\n warps %u\n wefts %u\n spacing 12 /cm\n gather 5 %%\n"
-                             " tear off\n}\npin row top\n",
-                             SHEET_SUBSTEPS, warps, wefts);
   memset(s, 0, sizeof *s);
   scene *parsed = malloc(sizeof *parsed);
   const int good = parsed != NULL && scene_parse(name, text, (size_t)bytes, parsed, &error) &&
@@ -28,4 +20,49 @@ int sheet_open(uint32_t warps, uint32_t wefts, session *s) {
   else
     world_close(&s->opened);
   return good;
+}
+
+int sheet_open(uint32_t warps, uint32_t wefts, session *s) {
+  char text[512];
+  char name[32];
+  snprintf(name, sizeof name, "%ux%u", warps, wefts);
+  const int bytes = snprintf(text, sizeof text,
+                             "scene bench\nrate 1000 Hz\nsubsteps %d\nsweeps 1\n"
+                             "sheet {\n warps %u\n wefts %u\n spacing 12 /cm\n gather 5 %%\n"
+                             " tear off\n}\npin row top\n",
+                             SHEET_SUBSTEPS, warps, wefts);
+  return compile(name, text, bytes, s);
+}
+
+/* By their width: the balls go out by a fifth at each side, the bars by an eighth. What fits in a tick
+ * grows with the sheet, so that sheets of all sizes tear alike. */
+int sheet_open_torn(uint32_t warps, uint32_t wefts, sheet_grips grips, const char *yarns, session *s) {
+  char text[1024];
+  char name[32];
+  const double x = (warps - 1) / 24.0;
+  const double y = (wefts - 1) / 24.0;
+  const double seconds = SHEET_TORN_TICKS / 1000.0;
+  snprintf(name, sizeof name, "%ux%u", warps, wefts);
+  int bytes = snprintf(text, sizeof text,
+                       "scene bench\nrate 1000 Hz\nsubsteps %d\nsweeps 1\ngravity 0 0 0 cm/s2\nseed 6\n"
+                       "limits {\n splits_per_tick %u\n cuts_per_tick %u\n}\n"
+                       "sheet {\n warps %u\n wefts %u\n spacing 12 /cm\n tear 5 10 %%\n yarns %s\n"
+                       " slip_friction 0.3\n slip_grip 0.3 mN\n drag 20 /s\n}\n",
+                       SHEET_TORN_SUBSTEPS, warps * wefts / 100, warps * wefts / 800 + 1, warps, wefts,
+                       yarns);
+  for (int side = -1; side <= 1; side += 2) {
+    const char *const label = side < 0 ? "left" : "right";
+    char *const to = text + bytes;
+    const size_t room = sizeof text - (size_t)bytes;
+    bytes += grips == SHEET_BALLS
+                 ? snprintf(to, room,
+                            "ball %s {\n radius %.3f cm\n grip 0 cm\n"
+                            " move path { 0 s %.4f %.4f 0 cm %.3f s %.4f %.4f 0 cm }\n}\n",
+                            label, y * 2 / 7, side * x, y, seconds, side * x * 1.2, y)
+                 : snprintf(to, room,
+                            "bar %s {\n radius 0.05 cm\n length %.3f cm\n turn 90 deg about z\n"
+                            " grip 0.01 cm\n move path { 0 s %.4f 0 0 cm %.3f s %.4f 0 0 cm }\n}\n",
+                            label, y * 2, side * x, seconds, side * x * 1.125);
+  }
+  return compile(name, text, bytes, s);
 }

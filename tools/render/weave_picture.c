@@ -94,12 +94,26 @@ static tube_ring ring_between(const weave_job *k, walker *w, uint32_t point, flo
   return r;
 }
 
-/* A crossing where the yarn is torn on both sides has no tangent: it lies across its partner. */
-static v3 stray_direction(const walker *w, uint32_t point) {
-  const uint32_t crossing = yarn_path_crossing(&w->path, point);
+static yarn_path partner_of(const walker *w, uint32_t crossing) {
   const picture_source *s = w->path.axes->source;
   const uint32_t number = w->path.axis == AXIS_WARP ? crossing / s->warps : crossing % s->warps;
-  const yarn_path partner = yarn_path_of(w->path.axes, 1 - w->path.axis, number);
+  return yarn_path_of(w->path.axes, 1 - w->path.axis, number);
+}
+
+/* A crossing where the yarn is torn on both sides is a yarn of no length, which shows only where it still
+ * lies on a partner. */
+static int stray_shows(const walker *w, uint32_t point) {
+  const uint32_t crossing = yarn_path_crossing(&w->path, point);
+  const yarn_path partner = partner_of(w, crossing);
+  const uint32_t at = w->path.number;
+  return yarn_axes_tight(w->path.axes, crossing) > 0.0f &&
+         (yarn_path_joined(&partner, at) || (at > 0 && yarn_path_joined(&partner, at - 1)));
+}
+
+/* It has no tangent: it lies across its partner. */
+static v3 stray_direction(const walker *w, uint32_t point) {
+  const uint32_t crossing = yarn_path_crossing(&w->path, point);
+  const yarn_path partner = partner_of(w, crossing);
   const v3 along = yarn_path_tangent(&partner, w->path.number);
   const v3 across = v3_cross(w->path.axes->normal[crossing], along);
   return v3_length(across) > 1e-6f ? v3_unit(across) : (v3){0.7071068f, 0.0f, 0.7071068f};
@@ -134,7 +148,7 @@ static void draw_yarn(weave_job *k, int axis, uint32_t number) {
   for (uint32_t n = 0; n < w.path.count; n++) {
     const int joined = yarn_path_joined(&w.path, n);
     const int begins = n == 0 || !yarn_path_joined(&w.path, n - 1);
-    if (begins) {
+    if (begins && (joined || stray_shows(&w, n))) {
       w.up = k->axes.normal[yarn_path_crossing(&w.path, n)];
       tube_ring r = ring_between(k, &w, n, 0.0f);
       r.at = at;
