@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tools/kernel.h"
 #include "tools/options.h"
 #include "tools/progress.h"
 #include "tools/render/album.h"
@@ -18,7 +19,7 @@ enum { DEFAULT_FRAMES = 8 };
 enum { SIDE_MIN = 64, SIDE_MAX = 4096 };
 
 typedef struct {
-  const char *file, *log, *key, *folder;
+  const char *file, *log, *key, *kernel, *folder;
   const char *at;      /* list of times */
   double every_s;      /* 0: not given */
   double length_s;     /* 0: not given */
@@ -57,6 +58,7 @@ static void print_usage(FILE *out) {
         "  --yarn                every yarn a spline, over and under the others\n"
         "  --wire                springs as lines: the sheet magenta, what has split cyan\n"
         "                        (with --yarn: two pictures of each moment, frame_ and wire_)\n"
+        "  --kernel NAME         scalar, avx2, avx512, neon (default: the fastest; the same pictures)\n"
         "  --strain              colour by strain: blue slack, white at rest, red about to tear\n"
         "  -o DIR                default out/render\n"
         "\n"
@@ -287,7 +289,8 @@ int cmd_render(int argc, char **argv) {
       {"--focus", &focus, NULL, NULL, 0, 0},
       {"--view", &view, NULL, NULL, 0, 0},  {"--strain", NULL, NULL, &o.strain, 0, 0},
       {"--yarn", NULL, NULL, &o.yarn, 0, 0}, {"--wire", NULL, NULL, &o.wire, 0, 0},
-      {"-o", &o.folder, NULL, NULL, 0, 0},  {"--key", &o.key, NULL, NULL, 0, 0}};
+      {"-o", &o.folder, NULL, NULL, 0, 0},  {"--key", &o.key, NULL, NULL, 0, 0},
+      {"--kernel", &o.kernel, NULL, NULL, 0, 0}};
   const options_result wish =
       options_parse(argc, argv, table, sizeof table / sizeof table[0], &o.file);
   if (wish == OPTIONS_HELP) {
@@ -306,7 +309,7 @@ int cmd_render(int argc, char **argv) {
   }
   const int opened = session_open(&job.s, o.file, o.log, o.key, o.instance);
   if (opened != 0) return opened;
-  const int code = render_world(&job);
+  const int code = kernel_use(job.s.opened.world, o.kernel) ? render_world(&job) : EXIT_USAGE;
   session_close(&job.s);
   return code;
 }

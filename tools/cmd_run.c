@@ -19,6 +19,7 @@
 #include "tools/render/album.h"
 #include "tools/render/report_run.h"
 #include "tools/session.h"
+#include "tools/work_tally.h"
 
 enum { DEFAULT_TICKS = 1000, PICTURES = 8, PATH_ROOM = 1024, PRIORITY = 80 };
 
@@ -38,6 +39,7 @@ typedef struct {
   FILE *out;           /* the recording, or NULL */
   record recording;
   run_trace trace;
+  work_tally tally;
   album pictures;
   fray_output last;
   uint32_t first_cut;  /* tick, or UINT32_MAX */
@@ -86,6 +88,7 @@ static int begin(run_job *j) {
   j->first_cut = UINT32_MAX;
   run_trace_open(&j->trace, f->rate_hz, f->hands);
   run_trace_watch(&j->trace, j->s.opened.world);
+  work_tally_open(&j->tally, j->s.opened.world);
   album_open(&j->pictures);
   if (j->o->record != NULL) {
     j->out = fopen(j->o->record, "w");
@@ -111,6 +114,7 @@ static int step(run_job *j, uint32_t n) {
   const fray_input *input = session_input(&j->s, n);
   team_tick(&j->crew.team, input, &j->last);
   j->faults |= j->last.faults;
+  work_tally_add(&j->tally, &j->last);
   const int tore_first = j->first_cut == UINT32_MAX && j->last.work.cuts != 0;
   if (tore_first) j->first_cut = j->last.tick;
   if (j->o->report != NULL) run_trace_add(&j->trace, &j->last, j->s.opened.world);
@@ -166,11 +170,17 @@ static void print_pieces(const run_job *j, FILE *out, const piece *pieces, uint3
 
 static void print_yarns(const run_job *j, FILE *out) {
   loose_ends e;
-  if (j->s.facts.splits_max == 0 || !loose_ends_find(j->s.opened.world, &e)) return;
-  fprintf(out, "yarns        %u crossings split; %u loose, %u apart", e.split, e.loose, e.disconnected);
-  if (e.connected != 0) fprintf(out, ", %u connected", e.connected);
-  fprintf(out, "\nfray         %.3f cm of loose ends a cm of tear: %u ends, %.2f cm on %.2f cm\n", e.fray,
-          e.ends, e.loose_cm, e.tear_cm);
+  if (j->last.cuts_total == 0 && j->s.facts.splits_max == 0) return;
+  if (!loose_ends_find(j->s.opened.world, &e)) return;
+  if (j->s.facts.splits_max != 0) {
+    fprintf(out, "yarns        %u crossings split; %u loose, %u apart", e.split, e.loose, e.disconnected);
+    if (e.connected != 0) fprintf(out, ", %u connected", e.connected);
+    fprintf(out, "\n");
+  }
+  fprintf(out,
+          "fray         %.3f cm of loose ends a cm of tear: %u ends, %.2f cm on %.2f cm; weave open "
+          "%.3f cm wide\n",
+          e.fray, e.ends, e.loose_cm, e.tear_cm, e.zone_cm);
 }
 
 /* What became of the frames of a device log. */
@@ -187,7 +197,7 @@ static void print_input(const port_statistics *p, FILE *out) {
   fprintf(out, "\n");
 }
 
-static void print_summary(const run_job *j, FILE *out, const piece *pieces, uint32_t count) {
+static void print_summary(run_job *j, FILE *out, const piece *pieces, uint32_t count) {
   const fray_facts *f = &j->s.facts;
   const fray_work most = fray_limits(j->s.opened.world);
   fprintf(out, "scene        %s\n", j->o->file);
@@ -208,9 +218,10 @@ static void print_summary(const run_job *j, FILE *out, const piece *pieces, uint
           (j->faults & FRAY_FAULT_SPLITS_WAIT) != 0 ? ", splits waited (splits_per_tick)" : "");
   fprintf(out, "work bound   %u projections, %u predictions, %u contact tests a tick\n",
           most.projections, most.predictions, most.contacts);
+  work_tally_print(&j->tally, out);
 }
 
-static int write_summary(const run_job *j, const piece *pieces, uint32_t count) {
+static int write_summary(run_job *j, const piece *pieces, uint32_t count) {
   char path[PATH_ROOM];
   snprintf(path, sizeof path, "%s/summary.txt", j->o->report);
   FILE *out = fopen(path, "w");
@@ -219,7 +230,7 @@ static int write_summary(const run_job *j, const piece *pieces, uint32_t count) 
   return fclose(out) == 0 || fail(path);
 }
 
-static int write_report(const run_job *j, const piece *pieces, uint32_t count) {
+static int write_report(run_job *j, const piece *pieces, uint32_t count) {
   char path[PATH_ROOM];
   const album_style style = {.folder = j->o->report, .width = 1280, .height = 960};
   if (!album_write(&j->pictures, &style)) return 0;
@@ -235,7 +246,7 @@ static int write_report(const run_job *j, const piece *pieces, uint32_t count) {
 }
 
 /* The hash, and what became of the sheet. */
-static void print_end(const run_job *j, const piece *pieces, uint32_t count) {
+static void print_end(run_job *j, const piece *pieces, uint32_t count) {
   print_summary(j, stdout, pieces, count);
   printf("hash %016" PRIx64 " ticks %u tears %u pieces %u faults %u\n",
          fray_hash(j->s.opened.world), j->ticks, j->last.cuts_total, count, j->faults);
@@ -280,6 +291,7 @@ static int run_all(run_job *j) {
                  ? 0
                  : 1;
   run_trace_close(&j->trace);
+  work_tally_close(&j->tally);
   album_close(&j->pictures);
   if (j->out != NULL) fclose(j->out);
   session_close(&j->s);

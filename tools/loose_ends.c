@@ -87,6 +87,7 @@ int loose_ends_find(const fray_world *w, loose_ends *out) {
       out->loose += now == FRAY_LOOSE;
       out->disconnected += now == FRAY_DISCONNECTED;
     }
+    out->zone_cm = out->tear_cm > 0 ? out->split * s.rest_cm[0] * s.rest_cm[1] / out->tear_cm : 0;
     out->fray = out->tear_cm > 0 ? out->loose_cm / out->tear_cm : 0;
   }
   free(s.cut);

@@ -1,14 +1,16 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # figures.sh [NAME...]: runs the scenes of list.txt, or some of them, and writes their pictures to
-# out/figures/NAME and a contact sheet of each to out/figures/NAME.png. Every scene must tear.
-# SIZE is WIDTHxHEIGHT of the pictures.
+# out/figures/NAME and a contact sheet of each to out/figures/NAME.png. Every scene must tear and fray, and
+# must not fray with its yarns off; its work keeps to the image's bound, and events to a quarter of it;
+# its contact sheet is the same to the byte a second time, with scalar kernels. SIZE is WIDTHxHEIGHT.
 . tests/lib/suite.sh
 
 list=tests/figures/list.txt
 out=out/figures
 size=${SIZE:-1600x900}
-mkdir -p "$out"
+work=$FRAY_BUILD/figures
+mkdir -p "$out" "$work"
 
 for name in "$@"; do
   if ! grep -q "^$name " "$list"; then
@@ -17,24 +19,61 @@ for name in "$@"; do
   fi
 done
 
-printf '%-14s %9s %9s %7s %6s\n' figure yarns simulated seconds tears
-while read -r name scene log length frames focus view looks; do
+# The number that PATTERN marks in the last run's summary.
+said() { sed -n "s/^$1.*/\\1/p" "$work/run.txt"; }
+# EXPRESSION: whether it holds
+holds() { awk "BEGIN { exit !($1) }"; }
+
+render() { # OUT [OPTION...]
+  to=$1
+  shift
+  # shellcheck disable=SC2086
+  "$FRAY" render "$scene" $input --at "$at" --for "$length" --view "$view" --focus "$focus" \
+    --size "$size" $styles "$@" -o "$to" </dev/null >"$work/render.txt"
+}
+
+run() { # SCENE
+  # shellcheck disable=SC2086
+  "$FRAY" run "$1" $input --ticks "${length%ms}" </dev/null >"$work/run.txt"
+}
+
+one_figure() {
+  rm -rf "${out:?}/$name" "$work/again"
+  run "$scene" || return 1
+  fray=$(said 'fray *\([0-9.]*\) cm of loose')
+  open=$(said 'fray .* open \([0-9.]*\) cm wide')
+  tears=$(sed -n 's/^hash .* tears \([0-9]*\) .*/\1/p' "$work/run.txt")
+  intact=$(said 'work intact .* worst \([0-9.]*\) times')
+  torn=$(said 'work torn .* worst \([0-9.]*\) times')
+  events=$(said 'work worst .*; events \([0-9.]*\) %')
+  events_most=$(said 'work worst .* them, \([0-9.]*\) % at most')
+  beyond=$(said 'work worst .*; \([0-9]*\) ticks beyond')
+  sed 's/^  yarns on$/  yarns off/' "$scene" >"$work/off.scene"
+  run "$work/off.scene" || return 1
+  off=$(said 'fray *\([0-9.]*\) cm of loose')
+  render "$out/$name" && render "$work/again" --kernel scalar || return 1
+  mv "$out/$name/sheet.png" "$out/$name.png"
+}
+
+judge() {
+  printf '%-13s %6s %6s %7s %7s %8s %8s %9s\n' "$name" "$tears" "$fray" "$open" "$off" "$intact" "$torn" \
+    "$events of $events_most"
+  if holds "$tears > 0 && $fray > 0.1"; then pass; else fail "$name: does not tear or fray"; fi
+  if holds "$off == 0"; then pass; else fail "$name: frays without yarns"; fi
+  if holds "$beyond == 0 && $events_most <= 25"; then pass; else fail "$name: work"; fi
+  if cmp -s "$out/$name.png" "$work/again/sheet.png"; then pass; else fail "$name: another picture"; fi
+}
+
+echo '                     loose ends  open  without   worst of median      events, %'
+printf '%-13s %6s %6s %7s %7s %8s %8s %9s\n' figure tears cm/cm cm yarns intact torn 'of bound'
+while read -r name scene log times focus view looks; do
   case $name in '' | '#'*) continue ;; esac
   case " $* " in *" $name "* | '  ') ;; *) continue ;; esac
-  wishes="--for $length --frames $frames --view $view --size $size --$(echo "$looks" | sed 's/,/ --/g')"
-  if [ "$log" != - ]; then wishes="$wishes --log $log"; fi
-  if [ "$focus" != - ]; then wishes="$wishes --focus $focus"; fi
-  rm -rf "${out:?}/$name"
-  began=$(date +%s)
-  # shellcheck disable=SC2086
-  if ! said=$("$FRAY" render "$scene" $wishes -o "$out/$name" </dev/null); then
-    fail "$name: no pictures"
-    continue
-  fi
-  mv "$out/$name/sheet.png" "$out/$name.png"
-  tears=$(echo "$said" | sed -n 's/.* \([0-9]*\) tears$/\1/p')
-  yarns=$(sed -n 's/^ *warps //p' "$scene")x$(sed -n 's/^ *wefts //p' "$scene")
-  printf '%-14s %9s %9s %7s %6s\n' "$name" "$yarns" "$length" $(($(date +%s) - began)) "$tears"
-  if [ "${tears:-0}" -gt 0 ]; then pass; else fail "$name: nothing tears"; fi
+  input=''
+  if [ "$log" != - ]; then input="--log $log"; fi
+  at=$(echo "$times" | sed 's/,/ms,/g')ms
+  length=${times##*,}ms
+  styles="--$(echo "$looks" | sed 's/,/ --/g')"
+  if one_figure; then judge; else fail "$name: no run or no pictures"; fi
 done <"$list"
 suite_end
