@@ -151,7 +151,10 @@ can-test: $(FRAY) $(HELPERS) ## the bare-metal CAN port in sessions on an emulat
 figures: $(FRAY) ## pictures of the scenes in tests/figures/list.txt; FIGURES="figure8" picks, SIZE=800x450
 	@FRAY=$(FRAY) BUILD=$(BUILD) SIZE="$(SIZE)" sh tests/figures/figures.sh $(FIGURES)
 
-.PHONY: weaves
+.PHONY: weaves pools
+pools: $(BUILD)/tests/oracle/test_yarn_pools ## a tearing sheet with pools of every size (a minute)
+	@$< all
+
 weaves: $(FRAY) ## how plain and twill weave fray, 20 seeds each (minutes); SEEDS=5
 	@FRAY=$(FRAY) BUILD=$(BUILD) SEEDS="$(SEEDS)" sh tests/figures/weaves.sh
 
