@@ -193,6 +193,40 @@ static void a_split_patch_comes_to_rest(void) {
   fixture_close(&f);
 }
 
+/* A slit from the sheet's edge inwards: cut before tick 0, by the rules of a tear, and torn on from its end. */
+static void a_slit_is_a_tear_from_the_start(void) {
+  static const char *const yarns[] = {"off", "on", "all"};
+  for (uint32_t n = 0; n < 3; ++n) {
+    fixture f;
+    yarn_check k;
+    fray_output out;
+    fixture_print(&f,
+                  "scene slit\nrate 1000 Hz\nsubsteps 8\nseed 3\nsettle 0.05 s\nslit warp 7 0 4\n"
+                  "slit weft 8 0 2\npin row top by right\npin column left\n"
+                  "sheet {\n warps 16\n wefts 12\n spacing 12 /cm\n drag 20 /s\n yarns %s\n}\n"
+                  "ball right {\n radius 0.1 cm\n move path { 0 s 2 0 0 cm 1 s 4 1 0 cm }\n}\n",
+                  yarns[n]);
+    uint32_t dead = 0;
+    for (uint32_t row = 0; row < f.facts.rows[FRAY_STRUCTURAL]; ++row)
+      dead += !fray_view_row(f.w, FRAY_STRUCTURAL, row).alive;
+    CHECK_EQ_INT(dead, 5 + 3);
+    CHECK_EQ_INT(fray_view_particles(f.w).held, 16 + 11);
+    /* beside the slits: 2 x 4 and 2 x 2 crossings that nothing holds */
+    if (n == 1) CHECK_EQ_INT(fray_view_particles(f.w).count, 16 * 12 + 12);
+    if (n != 0) yarn_check_open(&k, &f);
+    for (uint32_t tick = 0; tick < 150; ++tick) {
+      out = fixture_tick(&f, &fixture_idle);
+      if (n != 0) yarn_check_tick(&k, &f);
+    }
+    CHECK(out.cuts_total > 0);
+    if (n != 0) {
+      CHECK_EQ_INT(k.bad, 0);
+      yarn_check_close(&k);
+    }
+    fixture_close(&f);
+  }
+}
+
 int main(void) {
   TEST(every_weave_tears_by_the_rules);
   TEST(without_yarns_nothing_splits);
@@ -200,5 +234,6 @@ int main(void) {
   TEST(splits_wait_their_turn);
   TEST(saved_in_the_middle);
   TEST(a_split_patch_comes_to_rest);
+  TEST(a_slit_is_a_tear_from_the_start);
   return test_end();
 }

@@ -200,6 +200,28 @@ static void reads_pins(void) {
               "found '1.5', expected a whole number for 'pin'");
 }
 
+static void reads_slits_and_pins_by_bodies(void) {
+  check_parses("scene s\nslit warp 3 0 5\nslit weft 4 2 2\npin crossing 1 2 by b\n" SHEET
+               "ball b {\n radius 1 cm\n at 0 0 9 cm\n}\n");
+  CHECK_EQ_INT(parsed.slit_count, 2);
+  CHECK_EQ_INT(parsed.slits[0].beside_weft, 0);
+  CHECK_EQ_INT(parsed.slits[0].yarn, 3);
+  CHECK_EQ_INT(parsed.slits[0].last, 5);
+  CHECK_EQ_INT(parsed.slits[1].beside_weft, 1);
+  CHECK_EQ_INT(parsed.slits[1].first, 2);
+  CHECK_EQ_INT(parsed.pins[0].by, 0);
+  CHECK(parsed.bodies[0].has_grip);
+  check_fails(START "slit warp 7 0 5\n", 3, 1,
+              "found a slit beside warp 7 from 0 to 5, expected it inside the grid: warp 0 to 6, from 0 "
+              "to 5");
+  check_fails(START "slit weft 2 5 8\n", 3, 1,
+              "found a slit beside weft 2 from 5 to 8, expected it inside the grid: weft 0 to 4, from 0 "
+              "to 7");
+  check_fails(START "slit row 2 5 8\n", 3, 6, "found 'row', expected warp or weft for 'slit'");
+  check_fails(START "pin row top by clamp\n", 3, 1,
+              "found a pin by 'clamp', expected the name of a body");
+}
+
 static void accepts_odd_layout(void) {
   check_parses("\r\n# a comment { \" }\r\nscene s # why\r\n\tsheet{warps 8 wefts 6\r\n"
                "spacing 12/cm}\r\nlimits\r\n{ }\r\n");
@@ -233,7 +255,7 @@ static void names_what_is_wrong(void) {
               "cuts_per_tick, splits_per_tick");
   check_fails(START "speed 3\n", 3, 1,
               "found 'speed', expected a key of the scene: scene, rate, substeps, sweeps, "
-              "gravity, seed, settle, rest_strain, sheet, ball, box, bar, plane, pin, limits, hands");
+              "gravity, seed, settle, rest_strain, sheet, ball, box, bar, plane, pin, slit, limits, hands");
   check_fails(START "}\n", 3, 1, "found '}', expected no brace: no block is open");
   check_fails(START "seed 1\nseed 2\n", 4, 1,
               "found 'seed' again in the scene, expected it once; see line 3");
@@ -422,6 +444,7 @@ int main(void) {
   TEST(names_what_is_wrong);
   TEST(checks_the_sheet);
   TEST(reads_yarns);
+  TEST(reads_slits_and_pins_by_bodies);
   TEST(checks_bodies);
   TEST(refuses_odd_bytes);
   TEST(limits_what_it_holds);

@@ -201,7 +201,7 @@ static int fill(draft *d, void **memory, fray_world **world) {
                      WRITABLE(link_class, w->limits), capacity[POOL_STRETCH]))
     return 0;
   w->particles = d->crossings;
-  if (!fill_yarns(d, w)) return 0;
+  if (!fill_yarns(d, w) || !draft_slits(d, w)) return 0;
   w->state->mode = FRAY_READY;
   begin_hash(w);
   fray_error refused;

@@ -68,6 +68,7 @@ static const block_key scene_keys[] = {
     {"bar", body_block_read, 0, {UNIT_NONE, "0", "0"}, 0, KEY_REPEATS},
     {"plane", body_block_read, 0, {UNIT_NONE, "0", "0"}, 0, KEY_REPEATS},
     {"pin", pins_read, 0, {UNIT_NONE, "0", "0"}, 0, KEY_REPEATS},
+    {"slit", slits_read, 0, {UNIT_NONE, "0", "0"}, 0, KEY_REPEATS},
     {"limits", read_limits, 0, {UNIT_NONE, "0", "0"}, 0, 0},
     {"hands", read_hands, 0, {UNIT_NONE, "0", "0"}, 0, 0},
 };
@@ -152,7 +153,7 @@ int scene_parse(const char *file, const char *text, size_t bytes, scene *out, sc
   if (!check_text(&p, text, bytes)) return 0;
   lexer_start(&p.lexer, text, bytes);
   if (!block_read(&p, &scene_rule, "the scene", whole_text, out, &seen)) return 0;
-  if (!pins_resolve(&p)) return 0;
+  if (!pins_resolve(&p) || !slits_check(&p)) return 0;
   if (!out->limits.has_contacts) out->limits.contacts = out->sheet.warps * out->sheet.wefts;
   if (!out->limits.has_spare_particles && out->sheet.yarns != 0)
     out->limits.spare_particles = out->sheet.warps * out->sheet.wefts;

@@ -120,5 +120,8 @@ int motion_read(parser *p, const block_key *key, void *target);
 /* The values of `pin`; pins_resolve puts them into the grid once it is known. */
 int pins_read(parser *p, const block_key *key, void *target);
 int pins_resolve(parser *p);
+/* The same for `slit`. */
+int slits_read(parser *p, const block_key *key, void *target);
+int slits_check(parser *p);
 
 #endif

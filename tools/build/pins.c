@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Crossings held where they are. A pin may stand before the sheet, so its last row or column is
- * filled in when the grid is known. */
+/* Crossings held where they are, or by a body. A pin may stand before the sheet and its body, so its last
+ * row or column and the body's number are filled in when the whole scene is known. */
+#include <string.h>
+
 #include "tools/build/parser.h"
 
 /* The grid's last row or column. */
@@ -39,6 +41,20 @@ static int read_block(parser *p, scene_pin *pin) {
   return 1;
 }
 
+/* by NAME, or nothing. */
+static int read_body(parser *p, scene_pin *pin) {
+  pin->body[0] = 0;
+  if (!value_here(p) || !lexer_is(&p->lexer.token, "by")) return 1;
+  lexer_next(&p->lexer);
+  const token *t = &p->lexer.token;
+  if (!value_here(p) || t->bytes >= sizeof pin->body)
+    return parser_expected(p, "the name of a body that holds the crossings");
+  memcpy(pin->body, t->text, t->bytes);
+  pin->body[t->bytes] = 0;
+  lexer_next(&p->lexer);
+  return 1;
+}
+
 int pins_read(parser *p, const block_key *key, void *target) {
   static const char *const kinds[] = {"row", "column", "crossing", "block"};
   scene *out = (scene *)target;
@@ -64,12 +80,30 @@ int pins_read(parser *p, const block_key *key, void *target) {
       break;
     case 3: good = read_block(p, pin); break;
   }
+  good = good && read_body(p, pin);
   if (good) out->pin_count++;
   return good;
 }
 
 static void resolve(uint32_t *index, uint32_t count) {
   if (*index == LAST) *index = count - 1;
+}
+
+/* A body without a grip of its own holds these crossings alone: none is as deep inside it as that. */
+static int find_body(parser *p, scene_pin *pin) {
+  scene *out = p->out;
+  pin->by = SCENE_BODIES;
+  if (pin->body[0] == 0) return 1;
+  for (uint32_t n = 0; n < out->body_count; n++)
+    if (strcmp(out->bodies[n].name, pin->body) == 0) pin->by = n;
+  if (pin->by == SCENE_BODIES) {
+    const parser_place place = {pin->line, pin->column};
+    return parser_fail(p, place, "found a pin by '%s', expected the name of a body", pin->body);
+  }
+  scene_body *b = &out->bodies[pin->by];
+  if (!b->has_grip) b->grip = exact_make(-1000, 1);
+  b->has_grip = 1;
+  return 1;
 }
 
 int pins_resolve(parser *p) {
@@ -81,6 +115,7 @@ int pins_resolve(parser *p) {
     resolve(&pin->i1, warps);
     resolve(&pin->j0, wefts);
     resolve(&pin->j1, wefts);
+    if (!find_body(p, pin)) return 0;
     if (pin->i1 < warps && pin->j1 < wefts) continue;
     parser_place place = {pin->line, pin->column};
     return parser_fail(p, place,

@@ -11,7 +11,7 @@
 #include "rt/fray.h"
 #include "tools/build/exact.h"
 
-enum { SCENE_NAME = 32, SCENE_BODIES = 16, SCENE_KEYS = 4096, SCENE_PINS = 64, SCENE_WEAVE = 8 };
+enum { SCENE_NAME = 32, SCENE_BODIES = 16, SCENE_KEYS = 4096, SCENE_PINS = 64, SCENE_SLITS = 64, SCENE_WEAVE = 8 };
 
 typedef struct {
   exact at[3];
@@ -51,11 +51,20 @@ typedef struct {
   uint32_t key_first, keys; /* FRAY_PATH, in scene.keys; times strictly rising from >= 0 */
 } scene_body;
 
-/* Crossings held where they are. */
+/* Crossings held where they are, or by a body. */
 typedef struct {
   uint32_t i0, i1, j0, j1; /* inclusive, inside the grid (checked) */
+  char body[SCENE_NAME];   /* empty: where they are */
+  uint32_t by;             /* its number, SCENE_BODIES: none */
   int line, column;
 } scene_pin;
+
+/* Yarns that are cut before tick 0: what crosses between a yarn and the next one. */
+typedef struct {
+  int beside_weft;            /* 0: the wefts from first to last, between warp `yarn` and the next; 1: warps */
+  uint32_t yarn, first, last; /* inside the grid (checked) */
+  int line, column;
+} scene_slit;
 
 typedef struct {
   char name[SCENE_NAME];
@@ -114,6 +123,8 @@ typedef struct {
   uint32_t key_count;
   scene_pin pins[SCENE_PINS];
   uint32_t pin_count;
+  scene_slit slits[SCENE_SLITS];
+  uint32_t slit_count;
 
   struct {
     int has_spare_particles, has_contacts;

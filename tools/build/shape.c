@@ -165,7 +165,8 @@ static void grip_crossings(draft *d) {
     for (uint32_t j = p->j0; j <= p->j1; ++j)
       for (uint32_t i = p->i0; i <= p->i1; ++i)
         if (d->holder[j * d->grid.warps + i] == DRAFT_FREE)
-          d->holder[j * d->grid.warps + i] = (uint8_t)(d->bodies - 1);
+          d->holder[j * d->grid.warps + i] =
+              (uint8_t)(p->by < SCENE_BODIES ? p->by : d->bodies - 1);
   }
 }
 
