@@ -48,6 +48,7 @@ static void one_cut(void) {
   CHECK_EQ_INT(e.ends, 2);
   CHECK(near(e.loose_cm, 0.3));
   CHECK(near(e.fray, 1.5));
+  CHECK(near(e.zone_cm, 0.5)); /* 5 crossings of 0.1 x 0.2 on 0.2 */
   CHECK_EQ_INT(e.split, 5);
   CHECK_EQ_INT(e.loose, 1);
   CHECK_EQ_INT(e.disconnected, 4);
