@@ -41,12 +41,12 @@ static void hash_state(hash *h, const state *s) {
 
 /* Arrays of particles are hashed on their own, the three axes at a time, and joined: so none waits
  * for another. */
-void world_hash_axes(const fray_world *w, world_hashed which, hash axes[3]) {
-  const uint32_t count = w->particles;
-  const int32_t *const positions[3] = {w->x, w->y, w->z};
-  const int32_t *const velocities[3] = {w->vx, w->vy, w->vz};
-  const int8_t *const remainders[3] = {w->rx, w->ry, w->rz};
-  for (uint32_t n = 0; n < 3; ++n) hash_begin(&axes[n]);
+void world_hash_axes(const fray_world *w, world_hashed which, hash axes[3], uint32_t first,
+                     uint32_t end) {
+  const uint32_t count = end - first;
+  const int32_t *const positions[3] = {w->x + first, w->y + first, w->z + first};
+  const int32_t *const velocities[3] = {w->vx + first, w->vy + first, w->vz + first};
+  const int8_t *const remainders[3] = {w->rx + first, w->ry + first, w->rz + first};
   if (which == HASHED_REMAINDERS) {
     const uint32_t taken = wide_hash_bytes(w->kernel, axes, remainders, count);
     for (uint32_t n = 0; n < 3; ++n) hash_bytes(&axes[n], remainders[n] + taken, count - taken);
@@ -71,7 +71,8 @@ uint64_t world_hash(const fray_world *w) {
   hash axes[3];
   world_hash_begin(w, &h);
   for (uint32_t which = 0; which < HASHED; ++which) {
-    world_hash_axes(w, (world_hashed)which, axes);
+    for (uint32_t n = 0; n < 3; ++n) hash_begin(&axes[n]);
+    world_hash_axes(w, (world_hashed)which, axes, 0, w->particles);
     for (uint32_t n = 0; n < 3; ++n) hash_join(&h, &axes[n]);
   }
   return hash_end(&h);

@@ -121,10 +121,12 @@ uint64_t world_topology(const fray_world *w);
 /* The state's hash; cost: 9 words a particle. */
 uint64_t world_hash(const fray_world *w);
 /* Its pieces, which several workers can take: all but the particles; then, joined to it in this order,
- * the axes of each of the particles' arrays. */
+ * the axes of each of the particles' arrays. These go from particle to particle: parts begin at a
+ * multiple of HASH_LANES, where the part before has ended. */
 typedef enum { HASHED_POSITIONS, HASHED_VELOCITIES, HASHED_REMAINDERS, HASHED } world_hashed;
 void world_hash_begin(const fray_world *w, hash *h);
-void world_hash_axes(const fray_world *w, world_hashed which, hash axes[3]);
+void world_hash_axes(const fray_world *w, world_hashed which, hash axes[3], uint32_t first,
+                     uint32_t end);
 /* Threshold of a structural row, Q16 strain: drawn from (seed, canonical row). */
 int32_t world_threshold(const fray_world *w, uint32_t row);
 /* Strain over which its ends are split: from the same draw, so always below its threshold. */

@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A tick by several workers: the stages of rt/run/step.c, in parts.
  *
- * Once a tick, and everybody waits for everybody: each worker takes its share of the particles or of
- * a batch's rows. The substeps are not divided but overlap (plan.h): each worker has some blocks of its
- * own, and takes them in one pass after the other, a pass being a sweep of a substep; so particles stay
- * in its cache. What a pass needs besides them is a pure function of the tick's start: gravity's
- * remainder, and where driven bodies are. Sums of impulses and counts do not depend on their order.
+ * The substeps are not divided but overlap (plan.h): each worker has some blocks of its own, and takes
+ * them in one pass after the other, a pass being a sweep of a substep; so particles stay in its cache.
+ * What a pass needs besides them is a pure function of the tick's start: gravity's remainder, and where
+ * driven bodies are. Sums of impulses and counts do not depend on their order. Springs before them
+ * (seams.c), and the test for tearing and the hash behind them, go with the blocks, so nobody waits for
+ * everybody: who begins the substeps late has taken more of the springs, who ends them early takes his
+ * part of the hash.
  *
- * Bodies that fly free are moved by what the cloth gave them in the substep before, so in worlds
- * with them one worker takes all substeps. Springs that tear are found when all substeps are done:
- * what comes between in step.c, velocities, neither moves a particle nor asks for a row. Worlds with
- * yarns, or with links that have a stiffness, are ticked by worker 0. */
+ * Bodies that fly free are moved by what the cloth gave them in the substep before, so worlds with them
+ * are ticked by worker 0, as are those with yarns, with links that have a stiffness, and with rows that
+ * leave no place to cut. Springs that tear are found when all substeps are done: what comes between in
+ * step.c, velocities, neither moves a particle nor asks for a row. */
 #include "rt/share/share.h"
 
 #include "rt/base/arena.h"
@@ -26,8 +28,15 @@ static int has_free_body(const fray_world *w) {
   return 0;
 }
 
-/* Stages that are not divided. */
-static int is_whole(const fray_world *w) { return world_has_yarns(w) || world_has_stretch(w); }
+static int is_whole(const fray_world *w) {
+  return has_free_body(w) || world_has_yarns(w) || world_has_stretch(w);
+}
+
+static int has_surface(const fray_world *w) {
+  for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
+    if (w->bodies[b].shape != FRAY_ANCHOR) return 1;
+  return 0;
+}
 
 uint32_t fray_share_useful(const fray_world *w, uint32_t workers_max) {
   const params *p = w->params;
@@ -38,18 +47,21 @@ uint32_t fray_share_useful(const fray_world *w, uint32_t workers_max) {
   if (workers > most) workers = most;
   if (workers > passes) workers = passes;
   if (workers > rows / ROWS_A_WORKER) workers = (uint32_t)(rows / ROWS_A_WORKER);
-  return workers < 2u || p->held == 0 || has_free_body(w) || is_whole(w) ? 1u : workers;
+  return workers < 2u || p->held == 0 || is_whole(w) ? 1u : workers;
 }
 
 /* The parts first: they want whole lines. */
 static fray_share *carve_share(const fray_world *w, uint32_t workers, arena *a) {
+  const size_t springs = (uint32_t)w->params->bend_batches + (uint32_t)w->params->shear_batches;
   share_part *parts = (share_part *)arena_take(a, workers, sizeof *parts);
   fray_share *s = (fray_share *)arena_take(a, 1, sizeof *s);
+  share_cut *cuts = (share_cut *)arena_take(a, springs * (workers + 1u), sizeof *cuts);
   void *scratch = arena_take(a, 1, plan_scratch_bytes(w));
   if (s != NULL) {
     bytes_zero(parts, workers * sizeof *parts);
     bytes_zero(s, sizeof *s);
     s->parts = parts;
+    s->cuts = cuts;
     s->scratch = scratch;
   }
   return s;
@@ -70,14 +82,16 @@ fray_share *fray_share_open(fray_world *w, uint32_t workers, void *memory, size_
   s->world = w;
   s->workers = workers;
   s->passes = (uint32_t)w->params->substeps * (uint32_t)w->params->sweeps;
-  s->block_count = has_free_body(w) || is_whole(w) ? 0 : plan_cut(w, s->blocks, s->scratch);
+  s->gathers = has_surface(w);
+  s->block_count = is_whole(w) ? 0 : plan_cut(w, s->blocks, s->scratch);
   if (s->block_count < BLOCKS_LEAST) s->block_count = 0;
   share_order(s);
   return s;
 }
 
 int fray_share_holds(const fray_share *s) {
-  return s->block_count == 0 || plan_holds(s->world, s->blocks, s->block_count);
+  return s->block_count == 0 ||
+         (plan_holds(s->world, s->blocks, s->block_count) && seams_hold(s));
 }
 
 /* What the parts share with the world is copied anew: a tick may have loaded or moved anything. */
@@ -122,7 +136,41 @@ static void open_tick(fray_share *s, const fray_input *input, fray_output *outpu
   step_begin(s->world, output);
   devices_run(s->world, input);
   damp_whole(s->world);
+  s->world->contact_count = 0;
   hand_out(s);
+}
+
+typedef enum { SPRINGS_NEAR, SPRINGS_OWN, SPRINGS_FAR } springs_kind;
+
+/* A worker's rows of a kind, in batches from b on. */
+static void run_springs(const fray_share *s, uint32_t worker, springs_kind kind, uint32_t b, uint32_t end) {
+  fray_world *w = &s->parts[worker].world;
+  const uint32_t first = (uint32_t)w->params->link_batches;
+  for (; b < end; ++b) {
+    const share_cut *rows = s->cuts + (size_t)(b - first) * (s->workers + 1u) + worker;
+    const uint32_t at[4] = {rows->near, rows->own, rows->far, rows[1].near};
+    if (at[kind] < at[kind + 1]) springs_part(w, b, at[kind], at[kind + 1]);
+  }
+}
+
+/* Drag comes before springs. The near ones, for which others wait and which wait for others, come in
+ * between the far ones. */
+static void run_before_substeps(const fray_share *s, uint32_t worker, uint32_t step) {
+  fray_world *w = &s->parts[worker].world;
+  const uint32_t held = (uint32_t)w->params->held;
+  const uint32_t first = (uint32_t)w->params->link_batches;
+  const uint32_t end = w->capacity[POOL_BATCHES];
+  const uint32_t middle = first + (uint32_t)w->params->bend_batches / 2u;
+  const uint32_t from = s->springs_from[worker] < held ? held : s->springs_from[worker];
+  if (step == s->at.near) {
+    run_springs(s, worker, SPRINGS_NEAR, first, end);
+  } else if (step == s->at.far) {
+    run_springs(s, worker, SPRINGS_FAR, middle, end);
+  } else {
+    damp_part(w, from, s->springs_from[worker + 1u]);
+    run_springs(s, worker, SPRINGS_OWN, first, end);
+    run_springs(s, worker, SPRINGS_FAR, first, middle);
+  }
 }
 
 /* Contacts stand in order of body and particle; where those of each block begin. */
@@ -140,10 +188,7 @@ static void index_contacts(fray_share *s) {
 
 static void gather(fray_share *s) {
   collide_gather(s->world);
-  if (s->block_count != 0)
-    index_contacts(s);
-  else
-    join(s); /* a free body wants what the springs gave it */
+  index_contacts(s);
 }
 
 /* Gravity and driven bodies as they are in a substep, from the one before. */
@@ -189,24 +234,6 @@ static void run_block(const fray_share *s, uint32_t worker, share_place at) {
   if (sweep + 1u == sweeps) finish_block(s, w, at.block);
 }
 
-static void run_all_substeps(fray_world *w) {
-  for (uint32_t substep = 0; substep < (uint32_t)w->params->substeps; ++substep) {
-    predict_run(w, substep);
-    strain_run(w);
-    collide_run(w);
-    finish_run(w);
-  }
-}
-
-static void run_substeps(fray_share *s, uint32_t worker, uint32_t step) {
-  if (s->block_count == 0) {
-    if (worker == 0) run_all_substeps(s->world);
-    return;
-  }
-  share_place place;
-  if (share_place_of(s, worker, step, &place)) run_block(s, worker, place);
-}
-
 static void join_cuts(fray_share *s) {
   for (uint32_t n = 0; n < s->workers; ++n) {
     const fray_world *part = &s->parts[n].world;
@@ -215,78 +242,65 @@ static void join_cuts(fray_share *s) {
   }
 }
 
-static void join_tick(fray_share *s, fray_output *output) {
-  fray_world *w = s->world;
-  join(s);
-  join_cuts(s);
-  if (s->block_count != 0) {
-    const share_part *last = &s->parts[0];
-    bytes_copy(w->state->gravity_phase, last->state.gravity_phase, sizeof w->state->gravity_phase);
-    bytes_copy(w->body_states, last->bodies, sizeof(body_state) * w->capacity[POOL_BODIES]);
-  }
-  cut_run(w);
-  force_run(w, output->force);
-  report_begin(w, output);
+/* The particles that are final with a worker's last block, in whole rounds of lanes but for the last. */
+static uint32_t hash_from(const fray_share *s, uint32_t worker) {
+  if (worker == 0) return 0;
+  if (worker == s->owners) return s->world->particles;
+  return s->blocks[s->from[worker] - 1u].finish_end / (uint32_t)HASH_LANES * (uint32_t)HASH_LANES;
 }
 
-/* The particles' arrays in turn. */
-static void hash_axes(fray_share *s, uint32_t worker) {
-  for (uint32_t which = worker; which < HASHED; which += s->workers)
-    world_hash_axes(s->world, (world_hashed)which, s->axes[which]);
+/* Goes on with what the worker before has hashed. */
+static void hash_own(fray_share *s, uint32_t worker) {
+  for (uint32_t which = 0; which < HASHED; ++which) {
+    if (worker == 0)
+      for (uint32_t n = 0; n < 3; ++n) hash_begin(&s->axes[which][n]);
+    world_hash_axes(s->world, (world_hashed)which, s->axes[which], hash_from(s, worker),
+                    hash_from(s, worker + 1u));
+  }
+}
+
+static void tear_own(const fray_share *s, uint32_t worker) {
+  tear_part(&s->parts[worker].world, share_rows_before(s, s->from[worker]),
+            share_rows_before(s, s->from[worker + 1u]));
 }
 
 static void close_tick(fray_share *s, fray_output *output) {
+  fray_world *w = s->world;
+  const share_part *last = &s->parts[0];
   hash h;
-  world_hash_begin(s->world, &h);
+  join(s);
+  join_cuts(s);
+  bytes_copy(w->state->gravity_phase, last->state.gravity_phase, sizeof w->state->gravity_phase);
+  bytes_copy(w->body_states, last->bodies, sizeof(body_state) * w->capacity[POOL_BODIES]);
+  cut_run(w);
+  force_run(w, output->force);
+  report_begin(w, output);
+  world_hash_begin(w, &h);
   for (uint32_t which = 0; which < HASHED; ++which)
     for (uint32_t n = 0; n < 3; ++n) hash_join(&h, &s->axes[which][n]);
-  report_end(s->world, hash_end(&h), output);
-}
-
-/* What a worker takes of `count` things from `first` on: as much as it has of the particles, which lie
- * in the same order. */
-typedef struct {
-  uint32_t first, end;
-} share_range;
-
-static share_range range_of(const fray_share *s, uint32_t worker, uint32_t first, uint32_t count) {
-  const uint64_t n = count;
-  const share_range range = {first + (uint32_t)(n * s->part[worker] >> 16),
-                             first + (uint32_t)(n * s->part[worker + 1u] >> 16)};
-  return range;
+  report_end(w, hash_end(&h), output);
 }
 
 void fray_share_step(fray_share *s, uint32_t worker, uint32_t step, const fray_input *input,
                      fray_output *output) {
-  const params *p = s->world->params;
-  if (is_whole(s->world)) {
+  share_place place;
+  if (s->block_count == 0) {
     if (worker == 0 && step == 0) fray_tick(s->world, input, output);
-    return;
-  }
-  fray_world *w = &s->parts[worker].world;
-  if (step == 0) {
+  } else if (step == 0) {
     if (worker == 0) open_tick(s, input, output);
-  } else if (step < s->at.springs) {
-    const share_range own =
-        range_of(s, worker, (uint32_t)p->held, (uint32_t)(p->particles - p->held));
-    damp_part(w, own.first, own.end);
+  } else if (step == s->at.close) {
+    if (worker == 0) close_tick(s, output);
+  } else if (worker >= s->owners) {
+    return;
   } else if (step < s->at.gather) {
-    const uint32_t b = (uint32_t)p->link_batches + step - s->at.springs;
-    const share_range own =
-        range_of(s, worker, (uint32_t)w->batches[b].first, (uint32_t)w->batches[b].count);
-    springs_part(w, b, own.first, own.end);
-  } else if (step < s->at.substeps) {
-    if (worker == 0) gather(s);
-  } else if (step < s->at.tear) {
-    run_substeps(s, worker, step);
-  } else if (step < s->at.join) {
-    const share_range own = range_of(s, worker, 0, (uint32_t)p->links);
-    tear_part(w, own.first, own.end);
-  } else if (step < s->at.hash) {
-    if (worker == 0) join_tick(s, output);
-  } else if (step < s->at.close) {
-    hash_axes(s, worker);
-  } else if (worker == 0) {
-    close_tick(s, output);
+    run_before_substeps(s, worker, step);
+  } else if (step == s->at.gather) {
+    if (worker == 0 && s->gathers) gather(s);
+  } else if (step == s->at.tear) {
+    tear_own(s, worker);
+  } else if (step == s->at.hash) {
+    hash_own(s, worker);
+  } else if (share_place_of(s, worker, step, &place)) {
+    run_block(s, worker, place);
   }
 }
