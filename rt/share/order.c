@@ -2,7 +2,8 @@
 /* Which worker takes what, in which step, and whom it waits for. */
 #include "rt/share/share.h"
 
-enum { WORK_HELD = 6 };
+/* Into how many blocks the last worker's middle is cut. */
+enum { LAST_RUNS = 4 };
 
 uint32_t share_rows_before(const fray_share *s, uint32_t block) {
   if (block == 0) return 0;
@@ -10,34 +11,26 @@ uint32_t share_rows_before(const fray_share *s, uint32_t block) {
   return (uint32_t)(last->first + last->count);
 }
 
-/* What the links before a block cost, in rows. Those that a body holds are taken one by one. */
-static uint64_t work_before(const fray_share *s, uint32_t block) {
-  const uint32_t batches = block != 0 ? s->blocks[block - 1u].batch_end : 0;
-  uint64_t work = 0;
-  for (uint32_t b = 0; b < batches; ++b)
-    work += (uint64_t)(uint32_t)s->world->batches[b].count *
-            (s->world->batches[b].held == BATCH_HELD ? WORK_HELD : 1u);
-  return work;
-}
-
 /* All the same: a worker begins a pass when the one before it has come to its end of it, so the slowest
  * sets the pace. Two blocks at least: whoever begins one must not be waited for at its end. */
 static void divide(fray_share *s) {
-  const uint64_t work = work_before(s, s->block_count);
+  const uint64_t rows = share_rows_before(s, s->block_count);
   s->owners = s->block_count / 2u < s->workers ? s->block_count / 2u : s->workers;
   for (uint32_t n = 0; n < s->workers; ++n) {
     const uint32_t left = n < s->owners ? 2u * (s->owners - 1u - n) : 0; /* blocks for those behind */
     uint32_t end = s->from[n];
     while (n < s->owners && end < s->block_count - left &&
            (end < s->from[n] + 2u || n + 1u == s->owners ||
-            (work_before(s, end) + work_before(s, end + 1u)) * s->owners <= 2u * (n + 1u) * work))
+            ((uint64_t)share_rows_before(s, end) + share_rows_before(s, end + 1u)) * s->owners <=
+                2u * (n + 1u) * rows))
       ++end;
     s->from[n + 1u] = end;
   }
 }
 
 /* Only the ends of what a worker has meet others, and where the next one's springs begin: what lies
- * between them becomes one block. */
+ * between them becomes one block. Of the last worker's, some: what is done of them in the last pass is
+ * hashed by the one before. */
 static void join_middles(fray_share *s) {
   uint32_t count = 0;
   s->own_most = 0;
@@ -45,10 +38,11 @@ static void join_middles(fray_share *s) {
     const uint32_t first = s->from[n];
     const uint32_t end = s->from[n + 1u];
     const uint32_t gate = s->gate[n];
+    const uint32_t run = n + 1u == s->owners ? (end - first) / (uint32_t)LAST_RUNS + 1u : end - first;
     s->from[n] = count;
     for (uint32_t k = first; k < end; ++k) {
       if (k == gate) s->gate[n] = count;
-      if (k == first || k + 2u >= end || k + 1u == gate) s->blocks[count++] = s->blocks[k];
+      if ((k - first) % run == 0 || k + 2u >= end || k + 1u == gate) s->blocks[count++] = s->blocks[k];
     }
     if (count - s->from[n] > s->own_most) s->own_most = count - s->from[n];
   }
@@ -65,7 +59,7 @@ static share_steps place_steps(const fray_share *s) {
   at.substeps = at.gather + 1u;
   at.tear = at.substeps + s->passes * s->own_most;
   at.hash = at.tear + 1u;
-  at.close = at.hash + 1u;
+  at.close = at.hash + 1u + (s->owners > 1u ? s->from[s->owners] - s->from[s->owners - 1u] : 0);
   at.end = at.close + 1u;
   return at;
 }
@@ -127,7 +121,10 @@ fray_need fray_share_need(const fray_share *s, uint32_t worker, uint32_t step) {
   /* its last rows reach into the next one's first block */
   if (step == s->at.tear && worker + 1u < s->owners)
     return need_one(worker + 1u, steps_until(s, worker + 1u, s->passes - 1u, s->from[worker + 1u]));
-  if (step == s->at.hash && worker != 0) return need_one(worker - 1u, s->at.close);
+  if (step == s->at.hash && worker != 0 && worker + 1u != s->owners) return need_one(worker - 1u, step + 1u);
+  if (step > s->at.hash && step < s->at.close && worker + 2u == s->owners)
+    return need_one(worker + 1u, steps_until(s, worker + 1u, s->passes - 1u,
+                                             s->from[worker + 1u] + step - s->at.hash - 1u));
   if (step == s->at.close && worker == 0) return need_all(step);
   return need_all(0);
 }

@@ -40,14 +40,15 @@ static void cut_batch(fray_share *s, const row_batch *b, share_cut *cuts) {
 }
 
 /* Springs, in rows, for each: who begins the substeps when those before him have done a pass has as much
- * more. Where contacts must be gathered in between, everybody the same. */
+ * more, by what a link costs, its particles included, beside a spring. Where contacts must be gathered in
+ * between, everybody the same. */
 static void share_springs(const fray_share *s, uint64_t springs[FRAY_WORKERS_MAX]) {
   const params *p = s->world->params;
   const uint64_t all = (uint32_t)p->bends + (uint32_t)p->shears;
   uint64_t later[FRAY_WORKERS_MAX];
   uint64_t sum = 0;
   for (uint32_t n = 0; n < s->owners; ++n) {
-    later[n] = s->gathers ? 0 : share_rows_before(s, s->from[n]);
+    later[n] = s->gathers ? 0 : (uint64_t)share_rows_before(s, s->from[n]) * 5u / 4u;
     sum += later[n];
   }
   for (uint32_t n = 0; n < s->owners; ++n)

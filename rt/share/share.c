@@ -160,7 +160,7 @@ static void run_before_substeps(const fray_share *s, uint32_t worker, uint32_t s
   const uint32_t held = (uint32_t)w->params->held;
   const uint32_t first = (uint32_t)w->params->link_batches;
   const uint32_t end = w->capacity[POOL_BATCHES];
-  const uint32_t middle = first + (uint32_t)w->params->bend_batches / 2u;
+  const uint32_t middle = first + (uint32_t)w->params->bend_batches;
   const uint32_t from = s->springs_from[worker] < held ? held : s->springs_from[worker];
   if (step == s->at.near) {
     run_springs(s, worker, SPRINGS_NEAR, first, end);
@@ -242,21 +242,30 @@ static void join_cuts(fray_share *s) {
   }
 }
 
-/* The particles that are final with a worker's last block, in whole rounds of lanes but for the last. */
-static uint32_t hash_from(const fray_share *s, uint32_t worker) {
-  if (worker == 0) return 0;
-  if (worker == s->owners) return s->world->particles;
-  return s->blocks[s->from[worker] - 1u].finish_end / (uint32_t)HASH_LANES * (uint32_t)HASH_LANES;
+/* Up to where particles are final with a block, in whole rounds of lanes but for the last. */
+static uint32_t hash_end_of(const fray_share *s, uint32_t block) {
+  if (block + 1u == s->block_count) return s->world->particles;
+  return s->blocks[block].finish_end / (uint32_t)HASH_LANES * (uint32_t)HASH_LANES;
 }
 
-/* Goes on with what the worker before has hashed. */
-static void hash_own(fray_share *s, uint32_t worker) {
+/* Goes on behind the blocks before. */
+static void hash_blocks(fray_share *s, uint32_t from, uint32_t end) {
   for (uint32_t which = 0; which < HASHED; ++which) {
-    if (worker == 0)
+    if (from == 0)
       for (uint32_t n = 0; n < 3; ++n) hash_begin(&s->axes[which][n]);
-    world_hash_axes(s->world, (world_hashed)which, s->axes[which], hash_from(s, worker),
-                    hash_from(s, worker + 1u));
+    world_hash_axes(s->world, (world_hashed)which, s->axes[which],
+                    from != 0 ? hash_end_of(s, from - 1u) : 0, hash_end_of(s, end - 1u));
   }
+}
+
+/* Everybody his own; but who ends last leaves it to the one before, block by block. */
+static void hash_step_of(fray_share *s, uint32_t worker, uint32_t step) {
+  const uint32_t last = s->owners - 1u;
+  const uint32_t block = s->from[last] + step - s->at.hash - 1u;
+  if (step == s->at.hash && (worker != last || last == 0))
+    hash_blocks(s, s->from[worker], s->from[worker + 1u]);
+  else if (step != s->at.hash && worker + 1u == last)
+    hash_blocks(s, block, block + 1u);
 }
 
 static void tear_own(const fray_share *s, uint32_t worker) {
@@ -298,8 +307,8 @@ void fray_share_step(fray_share *s, uint32_t worker, uint32_t step, const fray_i
     if (worker == 0 && s->gathers) gather(s);
   } else if (step == s->at.tear) {
     tear_own(s, worker);
-  } else if (step == s->at.hash) {
-    hash_own(s, worker);
+  } else if (step >= s->at.hash) {
+    hash_step_of(s, worker, step);
   } else if (share_place_of(s, worker, step, &place)) {
     run_block(s, worker, place);
   }
