@@ -9,6 +9,7 @@
 
 enum { LANES = 8, LANES_ALL = 255 };
 #define LANES_RUNS 4 /* at most so many runs are stitched */
+#define LANES_MANY 8 /* groups taken side by side: see pairs.h */
 typedef __m256i lanes;
 typedef __m256i lane_mask; /* all ones or all zeros a lane */
 
@@ -68,6 +69,18 @@ LANES_INLINE int lanes_count_up(lanes ids, row_id first) {
   const __m256i run = _mm256_add_epi32(n, _mm256_set1_epi32((int32_t)first));
   const __m256i other = _mm256_xor_si256(ids, run);
   return _mm256_testz_si256(other, other);
+}
+/* Whether the ids of LANES rows count up and all are of that kind. */
+LANES_INLINE int lanes_are_run(const row_id *i, const row_id *j, const uint8_t *kinds, uint32_t kind) {
+  const __m256i n = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+  const __m256i a = lanes_load_ids(i);
+  const __m256i b = lanes_load_ids(j);
+  const __m256i run_a = _mm256_add_epi32(_mm256_broadcastd_epi32(_mm256_castsi256_si128(a)), n);
+  const __m256i run_b = _mm256_add_epi32(_mm256_broadcastd_epi32(_mm256_castsi256_si128(b)), n);
+  const __m256i other = _mm256_or_si256(_mm256_xor_si256(a, run_a), _mm256_xor_si256(b, run_b));
+  uint64_t eight;
+  __builtin_memcpy(&eight, kinds, sizeof eight);
+  return _mm256_testz_si256(other, other) && eight == kind * 0x0101010101010101u;
 }
 /* Bit n: id n does not follow id n - 1. */
 LANES_INLINE uint32_t lanes_breaks(lanes ids) {

@@ -4,7 +4,11 @@
  * Where the ends of rows follow one another in memory they go by plain loads and stores, in as many
  * runs as the lanes hold; with more than PAIRS_RUNS of them they are gathered. Rows of a batch share
  * no particle, so which of them go together does not matter. Dead rows, and all that lies outside of
- * a batch's rows, are neither read nor written. */
+ * a batch's rows, are neither read nor written.
+ *
+ * What a row goes through is one long chain of operations, longer than what a processor looks ahead: it
+ * would wait more than it computes. So where LANES_MANY groups of LANES rows of one kind follow, each
+ * a run, all of them do the first part of the chain, then all the next one. */
 #ifndef FRAY_WIDE_PAIRS_H
 #define FRAY_WIDE_PAIRS_H
 
@@ -185,15 +189,61 @@ LANES_INLINE void pairs_some(const pair_rows *s, uint32_t row, uint32_t count, i
   }
 }
 
+typedef struct pairs_many pairs_many;
+typedef void pairs_take_many(const void *view, const pairs_many *m);
+
+#ifdef LANES_MANY
+/* Groups of rows of one kind without light ends; where their ends begin. */
+struct pairs_many {
+  uint32_t count;
+  pairs one; /* what all have in common: PAIRS_WHOLE, one class, the kind */
+  row_id i[LANES_MANY], j[LANES_MANY];
+};
+
+LANES_INLINE void pairs_find_many(const pair_rows *s, uint32_t row, uint32_t end, pairs_many *m) {
+  const uint32_t kind = s->kind[row];
+  m->one.way = PAIRS_WHOLE;
+  m->one.one_class = 1;
+  m->one.kind = kind;
+  m->count = 0;
+  if (kind == ROW_DEAD || (kind & ROW_LIGHT) != 0) return;
+  for (; m->count < LANES_MANY && row + LANES <= end; row += LANES) {
+    if (!lanes_are_run(s->i + row, s->j + row, s->kind + row, kind)) return;
+    m->i[m->count] = s->i[row];
+    m->j[m->count] = s->j[row];
+    ++m->count;
+  }
+}
+
+/* Returns how many rows it took. */
+LANES_INLINE uint32_t pairs_some_many(const pair_rows *s, uint32_t row, uint32_t end,
+                                      pairs_take *take, pairs_take_many *many, const void *view) {
+  pairs_many m;
+  pairs_find_many(s, row, end, &m);
+  if (m.count != 0)
+    many(view, &m);
+  else
+    pairs_some(s, row, LANES, 1, take, view);
+  return m.count != 0 ? m.count * LANES : LANES;
+}
+#else
+LANES_INLINE uint32_t pairs_some_many(const pair_rows *s, uint32_t row, uint32_t end,
+                                      pairs_take *take, pairs_take_many *many, const void *view) {
+  (void)end, (void)many;
+  pairs_some(s, row, LANES, 1, take, view);
+  return LANES;
+}
+#endif
+
 /* Returns the number of rows. */
 LANES_INLINE uint32_t pairs_each(const pair_rows *s, const row_batch *batches, uint32_t count,
-                                 pairs_take *take, const void *view) {
+                                 pairs_take *take, pairs_take_many *many, const void *view) {
   uint32_t taken = 0;
   for (uint32_t b = 0; b < count; ++b) {
     uint32_t row = (uint32_t)batches[b].first;
     const uint32_t end = row + (uint32_t)batches[b].count;
     taken += end - row;
-    for (; row + LANES <= end; row += LANES) pairs_some(s, row, LANES, 1, take, view);
+    while (row + LANES <= end) row += pairs_some_many(s, row, end, take, many, view);
     if (row < end) pairs_some(s, row, end - row, 0, take, view);
   }
   return taken;

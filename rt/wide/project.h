@@ -29,6 +29,17 @@ LANES_INLINE lanes project_upper(lanes way, const link_words *k) {
   return lanes_max(lanes_min(rounded, lanes_word(&k->hi_most)), lanes_word(&k->hi_least));
 }
 
+/* |d|^2, at most n_max: what is clamped comes out above it, whatever stands in its low bits. */
+LANES_INLINE lanes project_squared(const lanes d[3], const lanes hi[3], lanes n_max) {
+  const lanes n_hi = lanes_dot(hi, hi);
+  const lanes cross = lanes_sub(lanes_dot(hi, d), lanes_shl(n_hi, LINK_SHIFT));
+  return lanes_min(lanes_add(n_hi, lanes_asr(cross, LINK_SHIFT - 1)), n_max);
+}
+
+LANES_INLINE lanes project_step(lanes hi, lanes f, const link_words *k) {
+  return lanes_round_with(lanes_mul(hi, f), lanes_word(&k->step_half), 20 - LINK_SHIFT);
+}
+
 /* Where one of the ends is light. */
 LANES_INLINE lanes project_third(const pairs *p, lanes f) {
   const lanes part =
@@ -44,26 +55,61 @@ LANES_INLINE void project_pairs(const void *view, const pairs *p) {
   const lanes j[3] = {pairs_fetch_j(p, s->x), pairs_fetch_j(p, s->y), pairs_fetch_j(p, s->z)};
   const lanes d[3] = {lanes_sub(j[0], i[0]), lanes_sub(j[1], i[1]), lanes_sub(j[2], i[2])};
   const lanes hi[3] = {project_upper(d[0], k), project_upper(d[1], k), project_upper(d[2], k)};
-  const lanes n_hi = lanes_dot(hi, hi);
-  const lanes cross = lanes_sub(lanes_dot(hi, d), lanes_shl(n_hi, LINK_SHIFT));
-  const lanes n_max = pairs_class(p, &s->classes->n_max, LINK_CLASS_WORDS);
-  /* what is clamped comes out above n_max, whatever stands in its low bits */
-  const lanes n = lanes_min(lanes_add(n_hi, lanes_asr(cross, LINK_SHIFT - 1)), n_max);
+  const lanes n = project_squared(d, hi, pairs_class(p, &s->classes->n_max, LINK_CLASS_WORDS));
   lanes f = project_factor(n, p, s->classes, k);
   const int light = pairs_light(p);
   if (light) f = project_third(p, f);
   LANES_UNROLLED
   for (int a = 0; a < 3; ++a) {
-    const lanes c =
-        lanes_round_with(lanes_mul(hi[a], f), lanes_word(&k->step_half), 20 - LINK_SHIFT);
+    const lanes c = project_step(hi[a], f, k);
     pairs_put_i(p, at[a], lanes_add(i[a], light ? pairs_weighted(p, c, ROW_UP_I) : c));
     pairs_put_j(p, at[a], lanes_sub(j[a], light ? pairs_weighted(p, c, ROW_UP_J) : c));
   }
 }
 
+#ifdef LANES_MANY
+LANES_INLINE void project_groups(const link_view *s, const pairs_many *m, uint32_t count) {
+  const link_words *k = &wide_link_words;
+  int32_t *const at[3] = {s->x, s->y, s->z};
+  const lanes n_max = pairs_class(&m->one, &s->classes->n_max, LINK_CLASS_WORDS);
+  lanes hi[LANES_MANY][3];
+  lanes f[LANES_MANY];
+  for (uint32_t g = 0; g < count; ++g) {
+    lanes d[3];
+    LANES_UNROLLED
+    for (int a = 0; a < 3; ++a) {
+      d[a] = lanes_sub(lanes_load(at[a] + m->j[g]), lanes_load(at[a] + m->i[g]));
+      hi[g][a] = project_upper(d[a], k);
+    }
+    f[g] = project_squared(d, hi[g], n_max);
+  }
+  for (uint32_t g = 0; g < count; ++g) f[g] = project_factor(f[g], &m->one, s->classes, k);
+  for (uint32_t g = 0; g < count; ++g) {
+    LANES_UNROLLED
+    for (int a = 0; a < 3; ++a) {
+      const lanes c = project_step(hi[g][a], f[g], k);
+      int32_t *i = at[a] + m->i[g];
+      int32_t *j = at[a] + m->j[g];
+      lanes_store(i, lanes_add(lanes_load(i), c));
+      lanes_store(j, lanes_sub(lanes_load(j), c));
+    }
+  }
+}
+
+/* Most are full, which compilers unroll. */
+LANES_INLINE void project_many(const void *view, const pairs_many *m) {
+  if (m->count == LANES_MANY)
+    project_groups((const link_view *)view, m, LANES_MANY);
+  else
+    project_groups((const link_view *)view, m, m->count);
+}
+#else
+#define project_many NULL
+#endif
+
 LANES_INLINE uint32_t project_batches(link_view s, const row_batch *batches, uint32_t count) {
   const pair_rows rows = {s.i, s.j, s.kind};
-  return pairs_each(&rows, batches, count, project_pairs, &s);
+  return pairs_each(&rows, batches, count, project_pairs, project_many, &s);
 }
 
 #endif
