@@ -16,7 +16,7 @@
 enum {
   HELD_MOST = 6,
   BATCHES_MOST = 6,
-  BATCH_ROWS_MOST = 70,
+  BATCH_ROWS_MOST = 150, /* more than two rounds of groups that kernels take side by side */
   ROWS_MOST = BATCHES_MOST * BATCH_ROWS_MOST,
   PARTICLES_MOST = HELD_MOST + 2 * BATCH_ROWS_MOST + 60,
   CLASSES_MOST = LIMIT_CLASSES,
@@ -129,7 +129,7 @@ static void make_batch(sheet *s, const row_batch *b) {
   uint8_t kind = live_kind(s, light);
   for (uint32_t p = 0; p < s->held; ++p) used[p] = 1;
   for (uint32_t row = (uint32_t)b->first; row < end;) {
-    uint32_t length = below(4) < runs ? 1 + below(40) : 1;
+    uint32_t length = below(4) < runs ? 1 + below(below(4) == 0 ? BATCH_ROWS_MOST : 40) : 1;
     if (length > end - row) length = end - row;
     row += place_run(s, used, row, length, b->held == BATCH_HELD);
   }
