@@ -31,7 +31,7 @@ static float_piece *add_piece(float_arrays *f, uint32_t first, int held, int run
 
 static void add_row(float_arrays *f, const fray_world *w, uint32_t row, float_piece *p) {
   const uint32_t at = p->first + p->count++;
-  const float rest = (float)w->links[w->row_class[row]].rest * 0x1p-24f;
+  const float rest = (float)w->links[w->row_class[row] & ROW_CLASS].rest * 0x1p-24f;
   f->i[at] = w->row_i[row];
   f->j[at] = w->row_j[row];
   f->reach[at] = p->held ? rest : 0.5f * rest;
@@ -92,7 +92,7 @@ int float_arrays_open(float_arrays *f, const fray_world *w) {
   const size_t pieces = links / RUN_LEAST + (size_t)w->params->link_batches + 1;
   const size_t room = (links + pieces * LANES) / LANES * LANES;
   memset(f, 0, sizeof *f);
-  f->particles = (uint32_t)w->params->particles;
+  f->particles = w->particles;
   /* behind the last particle: two that rows of nobody join, and lanes that a run does not use */
   const size_t bytes = whole(f->particles + 2 + LANES) * sizeof(float);
   uint32_t *rows = malloc(links * sizeof *rows);

@@ -21,7 +21,7 @@ static uint32_t take_batch(float_records *f, const fray_world *w, const row_batc
   batch->first = at;
   batch->held = held;
   for (uint32_t row = (uint32_t)b->first; row < (uint32_t)(b->first + b->count); ++row) {
-    const float rest = (float)w->links[w->row_class[row]].rest * 0x1p-24f;
+    const float rest = (float)w->links[w->row_class[row] & ROW_CLASS].rest * 0x1p-24f;
     if (w->row_class[row] == ROW_DEAD) continue;
     add_row(f, at++, w->row_i[row], w->row_j[row], held ? rest : 0.5f * rest);
     ++f->rows;
@@ -35,7 +35,7 @@ int float_records_open(float_records *f, const fray_world *w) {
   const size_t batches = (size_t)w->params->link_batches;
   const size_t room = ((size_t)w->params->links + batches * LANES) / LANES * LANES + LANES;
   memset(f, 0, sizeof *f);
-  f->particle_count = (uint32_t)w->params->particles;
+  f->particle_count = w->particles;
   f->particles = aligned_alloc(16, (f->particle_count + NOBODY) * 4 * sizeof(float));
   f->i = malloc(room * sizeof *f->i);
   f->j = malloc(room * sizeof *f->j);

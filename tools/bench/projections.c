@@ -27,12 +27,12 @@ typedef struct {
 } contest;
 
 static size_t axis_bytes(const fray_world *w) {
-  return (size_t)w->params->particles * sizeof *w->x;
+  return (size_t)w->particles * sizeof *w->x;
 }
 
 static void restore(const contest *c) {
   fray_world *w = c->world;
-  const size_t count = (size_t)w->params->particles;
+  const size_t count = (size_t)w->particles;
   memcpy(w->x, c->start, axis_bytes(w));
   memcpy(w->y, c->start + count, axis_bytes(w));
   memcpy(w->z, c->start + 2 * count, axis_bytes(w));
@@ -40,7 +40,7 @@ static void restore(const contest *c) {
 
 static int keep_start(contest *c) {
   const fray_world *w = c->world;
-  const size_t count = (size_t)w->params->particles;
+  const size_t count = (size_t)w->particles;
   c->start = malloc(3 * axis_bytes(w));
   if (c->start == NULL) return 0;
   memcpy(c->start, w->x, axis_bytes(w));
