@@ -237,12 +237,12 @@ static void rest_on_planes(fray_world *w, uint32_t b) {
 
 static uint32_t meet_level(fray_world *w, const encounter *e, uint32_t b, uint32_t first, uint32_t end) {
   level_view v = {{w->x, w->y, w->z}, {w->vx, w->vy, w->vz}, {w->qx, w->qy, w->qz}, w->contacts,
-                  e->moved, e->at.y, e->skin, e->shape->friction, {0, 0, 0}, 0};
+                  e->moved, e->at.y, e->skin, e->shape->friction, w->couple, w->place, {0, 0, 0}, 0};
   const uint32_t taken = wide_level(w->kernel, &v, first, end);
   if (taken == 0) return 0;
   if (v.held_back != 0) w->state->faults |= (int32_t)FRAY_FAULT_LEFT_WORLD;
-  body_gave(&w->motion[b], v.pushed[0] * (1 << FX_SUB_BITS), v.pushed[1] * (1 << FX_SUB_BITS),
-            v.pushed[2] * (1 << FX_SUB_BITS));
+  const int64_t half = 1 << (FX_SUB_BITS - 1);
+  body_gave(&w->motion[b], v.pushed[0] * half, v.pushed[1] * half, v.pushed[2] * half);
   return taken;
 }
 
@@ -254,12 +254,12 @@ static inline void meet(fray_world *w, const encounter *e, contact *c) {
     c->touching = CONTACT_APART;
 }
 
-/* Contacts of body b, from `first` on; returns where they end. A kernel takes every particle for whole. */
+/* Contacts of body b, from `first` on; returns where they end. */
 static inline uint32_t meet_body(fray_world *w, uint32_t b, uint32_t first, uint32_t end) {
   encounter e;
   uint32_t n = first;
   begin_encounter(w, b, &e);
-  if (is_level(&e) && w->kernel != FRAY_KERNEL_SCALAR && !world_has_yarns(w)) {
+  if (is_level(&e) && w->kernel != FRAY_KERNEL_SCALAR) {
     uint32_t last = first;
     while (last < end && w->contacts[last].body == b) ++last;
     n += meet_level(w, &e, b, first, last);

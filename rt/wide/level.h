@@ -5,6 +5,7 @@
 
 #include "rt/base/vec.h"
 #include "rt/model/contacts.h"
+#include "rt/model/rows.h"
 
 /* Particles by axis: where they are, their speeds, where they were predicted. */
 typedef struct {
@@ -13,7 +14,9 @@ typedef struct {
   contact *contacts;
   vec3 body_moved; /* in this substep */
   int32_t height, skin, friction;
-  int64_t pushed[3];  /* sums over what was taken */
+  const uint8_t *couple; /* crossing -> fray_couple; NULL in worlds without yarns */
+  const row_id *place;   /* particle -> crossing */
+  int64_t pushed[3];  /* sums over what was taken: steps times half crossings */
   uint32_t held_back; /* 0 iff nothing was, at the edge of the world */
 } level_view;
 

@@ -4,6 +4,7 @@
 #ifndef FRAY_WIDE_LIFT_H
 #define FRAY_WIDE_LIFT_H
 
+#include "rt/model/couples.h"
 #include "rt/wide/level.h"
 
 enum { LIFT_MOST = 32, LIFT_ROUND = 16 };
@@ -11,6 +12,7 @@ enum { LIFT_MOST = 32, LIFT_ROUND = 16 };
 /* Particles that touch; behind the last one, up to a whole round, ones that are not pushed. */
 typedef struct {
   uint32_t particle[LIFT_MOST];
+  int32_t halves[LIFT_MOST]; /* of a crossing, that a particle weighs */
   int32_t at[3][LIFT_MOST], slip[3][LIFT_MOST], out[3][LIFT_MOST];
   uint32_t inverse[LIFT_MOST], limit[LIFT_MOST], sticks[LIFT_MOST];
   uint64_t h[LIFT_MOST];
@@ -85,7 +87,10 @@ FX_WRAPS static inline uint32_t lift_move(int32_t *restrict at, const int32_t *r
 }
 
 FX_WRAPS static inline void lift_fetch(const level_view *v, lift_some *s, uint32_t count, uint32_t whole) {
-  for (uint32_t k = count; k < whole; ++k) s->particle[k] = s->particle[0];
+  for (uint32_t k = count; k < whole; ++k) {
+    s->particle[k] = s->particle[0];
+    s->halves[k] = 0;
+  }
   const int32_t body_moved[3] = {v->body_moved.x, v->body_moved.y, v->body_moved.z};
   for (int a = 0; a < 3; ++a) {
     int32_t speed[LIFT_MOST];
@@ -119,10 +124,14 @@ static inline void lift_take(level_view *v, lift_some *s, uint32_t count) {
     lift_friction(s, s->slip[a], whole);
     v->held_back |= lift_move(s->at[a], s->out[a], s->slip[a], whole);
     int64_t sum = 0;
-    for (uint32_t k = 0; k < whole; ++k) sum += s->slip[a][k];
+    for (uint32_t k = 0; k < whole; ++k) sum += (int64_t)s->slip[a][k] * s->halves[k];
     v->pushed[a] += sum;
     for (uint32_t k = 0; k < count; ++k) v->at[a][s->particle[k]] = s->at[a][k];
   }
+}
+
+static inline int32_t lift_halves(const level_view *v, uint32_t p) {
+  return v->couple == NULL || (v->couple[v->place[p]] & COUPLE_STATE) == FRAY_WHOLE ? 2 : 1;
 }
 
 static inline uint32_t lift_contacts(level_view *v, uint32_t first, uint32_t end) {
@@ -134,6 +143,7 @@ static inline uint32_t lift_contacts(level_view *v, uint32_t first, uint32_t end
     const int touches = fx_wrap_sub(v->at[1][p], v->height) < v->skin;
     c->touching = touches ? CONTACT_LEVEL : CONTACT_APART;
     s.particle[count] = p;
+    s.halves[count] = lift_halves(v, p);
     count += touches ? 1u : 0u;
     if (count == LIFT_MOST) {
       lift_take(v, &s, count);

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Contacts with a plane that faces up: every kernel that this machine has against the scalar stage, to
- * the last bit: particles at rest, sliding, deep, at the world's edge, some of them in contact, in runs
- * and apart. All arrays lie against a page that faults.
+ * the last bit: particles at rest, sliding, deep, at the world's edge, some of them in contact, some of
+ * half the mass, in runs and apart. All arrays lie against a page that faults.
  *
  *   test_wide_contacts [CONTACTS]     1,000,000 unless told, a tenth under sanitizers */
 #define _DEFAULT_SOURCE 1 /* mmap without a file */
 #include "tests/lib/test.h"
 
+#include "rt/model/couples.h"
 #include "rt/stage/stage.h"
 #include "tests/lib/guarded.h"
 #include "tests/lib/wide_kernels.h"
@@ -20,7 +21,9 @@ static uint64_t contacts_asked = GUARDED_SLOW ? 100000 : 1000000;
 typedef struct {
   int32_t word[ARRAYS][MOST];
   contact contacts[MOST];
-  uint32_t particles, count, first, end;
+  uint8_t couple[MOST];
+  row_id place[MOST];
+  uint32_t particles, count, first, end, yarns;
   params constants;
   body plane;
   body_state at;
@@ -57,8 +60,11 @@ static void make_heap(heap *h) {
   for (int a = 0; a < 3; ++a) h->at.position[a] = between(-40 * FX_LU, 40 * FX_LU);
   if (below(3) == 0) h->motion.moved = vec_make(near(0, 1u << 25), near(0, 1u << 25), near(0, 1u << 25));
   const uint32_t gaps = below(3);
+  h->yarns = below(2);
   for (uint32_t p = 0; p < h->particles; ++p) {
     make_particle(h, p);
+    h->place[p] = (row_id)below(h->particles);
+    h->couple[p] = (uint8_t)(below(4) | (below(4) == 0 ? COUPLE_WANTED : 0));
     if (gaps == 0 || below(1 + gaps) != 0) h->contacts[h->count++].particle = p;
   }
   h->first = below(3) == 0 && h->count != 0 ? below(h->count) : 0;
@@ -75,6 +81,8 @@ static void run(heap *h, fray_kernel kernel, int32_t *const word[ARRAYS], contac
   w.motion = &h->motion;
   w.state = &h->state;
   w.contacts = contacts;
+  w.capacity[POOL_SPLITS] = h->yarns;
+  if (h->yarns != 0) w.couple = h->couple, w.place = h->place;
   w.x = word[0], w.y = word[1], w.z = word[2];
   w.vx = word[3], w.vy = word[4], w.vz = word[5];
   w.qx = word[6], w.qy = word[7], w.qz = word[8];
