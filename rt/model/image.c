@@ -56,6 +56,10 @@ const image_array image_arrays[] = {
     TICK(POOL_BODIES, body_motion, motion),
     TICK(POOL_CONTACTS, contact, contacts),
     TICK(POOL_CUTS, cut, cuts),
+    YARN(0, ROLE_TICK, KIND_ID, POOL_CROSSINGS, 1, slip_next),
+#if SLIP_PLANNED
+    YARN(0, ROLE_TICK, KIND_STRUCT, POOL_CROSSINGS, 4 * SLIP_PLAN_WORDS, slip_plan),
+#endif
 };
 const uint32_t image_array_count = sizeof image_arrays / sizeof image_arrays[0];
 

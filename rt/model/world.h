@@ -40,6 +40,19 @@ typedef struct {
   uint32_t excess; /* Q16 of (length / length at threshold)^2 - 1 */
 } cut;
 
+/* Couples of one colour, (warp + 2 weft) mod 5, share no particle, not even at the far ends of their
+ * springs: five crossings each, and these tile the sheet. They slip by colour, in any order. */
+enum { SLIP_COLOURS = 5 };
+#define SLIP_NOBODY ((row_id)~0u)
+
+/* 1 where rt/wide has a kernel that takes couples: what it needs to know of each is kept for a tick. */
+#if defined(__x86_64__) && defined(__SSE2__)
+#define SLIP_PLANNED 1
+#else
+#define SLIP_PLANNED 0
+#endif
+enum { SLIP_PLAN_WORDS = 8 };
+
 struct fray_world {
   uint32_t capacity[POOLS];
   fray_kernel kernel;
@@ -84,6 +97,12 @@ struct fray_world {
   uint32_t cut_count;
   uint32_t cuts_waiting;
   uint32_t cut_first;
+  row_id *slip_next;         /* crossing -> the next couple of its colour that slips, or SLIP_NOBODY */
+  uint32_t slip_head[SLIP_COLOURS];
+#if SLIP_PLANNED
+  int32_t *slip_plan;        /* SLIP_PLAN_WORDS arrays of couples that a kernel takes, by colour */
+  uint32_t slip_planned[SLIP_COLOURS + 1]; /* the first of a colour */
+#endif
   uint8_t acked, ack_counter, result;
   vec3 gravity_step;         /* of this substep, Q28 */
   int32_t raw_force[FRAY_HANDS][3];

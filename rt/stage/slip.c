@@ -24,13 +24,37 @@
 enum { COARSE_BITS = 8, COARSE_MAX = 16383 };
 #define NOBODY UINT32_MAX
 
-/* num / den in Q15, 0 to 1; num has 15 bits more than den, which is positive. */
+/* num / den in Q15, at most 1, both above 0: of the denominator 16 bits, behind the lowest 15. */
 static int32_t share_of(int64_t num, int64_t den) {
-  if (num <= 0) return 0;
-  if (fx_asr64(num, 15) >= den) return SLIP_ONE;
-  const unsigned bits = 64u - fx_leading_zeros64((uint64_t)den);
-  const unsigned shift = bits > 16u ? bits - 16u : 0u;
-  return (int32_t)fx_min((int32_t)((uint32_t)(num >> shift) / (uint32_t)(den >> shift)), SLIP_ONE);
+  const int64_t whole = fx_asr64(num, 15);
+  const int64_t d = fx_asr64(den, 15);
+  if (whole >= d) return SLIP_ONE;
+  const unsigned bits = 64u - fx_leading_zeros64((uint64_t)d);
+  const unsigned down = bits > 16u ? bits - 16u : 0u;
+  const uint32_t n = (uint32_t)(down >= 15u ? whole >> (down - 15u) : whole << (15u - down));
+  return fx_min((int32_t)(n / (uint32_t)(d >> down)), SLIP_ONE);
+}
+
+/* The length of a spring, squared, as a divisor: in 16 bits. */
+typedef struct {
+  int32_t whole;
+  uint32_t part;
+  unsigned down; /* by which it is shifted, 14 at most */
+} slip_divisor;
+
+static slip_divisor divisor_of(int32_t squared) {
+  const unsigned bits = 32u - (unsigned)__builtin_clz((uint32_t)squared | 1u);
+  const unsigned down = bits > 16u ? bits - 16u : 0u;
+  const slip_divisor d = {squared, (uint32_t)squared >> down, down};
+  return d;
+}
+
+/* (whole + low / 2^15) / d in Q15, 0 to 1. */
+static int32_t share_on(int32_t whole, uint32_t low, const slip_divisor *d) {
+  if (whole < 0 || d->whole == 0) return 0;
+  if (whole >= d->whole) return SLIP_ONE;
+  const uint32_t n = (uint32_t)whole << (15u - d->down) | low >> d->down;
+  return fx_min((int32_t)(n / d->part), SLIP_ONE);
 }
 
 static int32_t bounded(int32_t v) { return fx_clamp(v, -COARSE_MAX, COARSE_MAX); }
@@ -49,7 +73,8 @@ typedef struct {
   uint32_t warp, weft; /* particles */
   uint32_t far[4];
   vec3 way[4]; /* coarse */
-  int32_t squared[4], towards[4]; /* of way, and its product with apart */
+  slip_divisor squared[4]; /* of way */
+  int32_t towards[4];      /* its product with apart */
   vec3 apart;  /* from weft to warp, coarse */
 } slip_star;
 
@@ -60,21 +85,20 @@ __attribute__((noinline)) static int32_t closest(const slip_star *star, uint32_t
   const vec3 r = star->apart;
   const vec3 a = star->way[warp];
   const vec3 b = star->way[weft];
-  const int32_t aa = star->squared[warp];
-  const int32_t bb = star->squared[weft];
+  const slip_divisor *aa = &star->squared[warp];
+  const slip_divisor *bb = &star->squared[weft];
   const int32_t ab = dot(a, b);
   const int32_t ar = star->towards[warp];
   const int32_t br = star->towards[weft];
-  const int64_t den = fx_mul_wide(aa, bb) - fx_mul_wide(ab, ab);
+  const int64_t den = fx_mul_wide(aa->whole, bb->whole) - fx_mul_wide(ab, ab);
   *s = 0;
   if (den > 1 << 16) {
-    const int64_t num = fx_mul_wide(ab, br) - fx_mul_wide(ar, bb);
-    *s = num <= 0 ? 0 : num >= den ? SLIP_ONE : share_of(fx_asr64(num, 15) * SLIP_ONE, fx_asr64(den, 15));
+    const int64_t num = fx_mul_wide(ab, br) - fx_mul_wide(ar, bb->whole);
+    *s = num <= 0 ? 0 : share_of(num, den);
   }
   const int64_t along = fx_mul_wide(ab, *s) + (int64_t)br * SLIP_ONE;
-  *t = bb > 0 ? share_of(along, bb) : 0;
-  if (*t == 0 || *t == SLIP_ONE)
-    *s = aa > 0 ? share_of(fx_mul_wide(ab, *t) - (int64_t)ar * SLIP_ONE, aa) : 0;
+  *t = share_on((int32_t)fx_asr64(along, 15), (uint32_t)along & (SLIP_ONE - 1u), bb);
+  if (*t == 0 || *t == SLIP_ONE) *s = share_on((*t == 0 ? 0 : ab) - ar, 0, aa);
   const vec3 gap = vec_make(bounded(r.x + fx_asr(a.x * *s - b.x * *t, 15)),
                             bounded(r.y + fx_asr(a.y * *s - b.y * *t, 15)),
                             bounded(r.z + fx_asr(a.z * *s - b.z * *t, 15)));
@@ -127,9 +151,8 @@ __attribute__((noinline)) static int weigh(const fray_world *w, const slip_pair 
 }
 
 /* num / den rounded, den > 0. */
-static int32_t quotient(int64_t num, int32_t den) {
-  const int64_t bounded = fx_clamp64(num, -((int64_t)1 << 30), (int64_t)1 << 30);
-  const int32_t n = (int32_t)bounded;
+static int32_t quotient(int32_t num, int32_t den) {
+  const int32_t n = fx_clamp(num, -(1 << 30), 1 << 30);
   return n < 0 ? -((-n + den / 2) / den) : (n + den / 2) / den;
 }
 
@@ -137,13 +160,13 @@ static int32_t quotient(int64_t num, int32_t den) {
  * times steps, of the warp's and the weft's side are apart. */
 static int32_t part(const slip_pair *pair, const slip_weights *k, int32_t by, int32_t moved[4],
                     int32_t held[4]) {
-  int64_t missing = (int64_t)by * SLIP_ONE;
+  int32_t missing = fx_wrap_shift(by, 15); /* small at the end */
   int32_t apart = 0;
   for (uint32_t n = 0; n < 4; ++n) {
     const int32_t step = (int32_t)fx_round64(fx_mul_wide(by, k->share[n]), 15);
     moved[n] = k->ease[n] != 0 ? step : 0;
     held[n] = k->ease[n] != 0 ? 0 : step;
-    missing -= fx_mul_wide(moved[n], pair->b[n]);
+    missing = fx_wrap_sub(missing, fx_wrap_mul(moved[n], pair->b[n]));
   }
   moved[k->last] += quotient(missing, pair->b[k->last]);
   for (uint32_t n = 0; n < 4; ++n) {
@@ -201,7 +224,7 @@ __attribute__((noinline)) static void look_around(const fray_world *w, uint32_t 
     if (next == c || w->row_class[w->row_of[cross.link[way]]] == ROW_DEAD) continue;
     s->far[way] = way < 2 ? w->crossing[next] : w->warp_at[next];
     s->way[way] = coarse_way(at[way / 2u], world_position(w, s->far[way]));
-    s->squared[way] = dot(s->way[way], s->way[way]);
+    s->squared[way] = divisor_of(dot(s->way[way], s->way[way]));
     s->towards[way] = dot(s->way[way], s->apart);
   }
 }
@@ -269,9 +292,9 @@ static vec3 limited(vec3 v, int32_t limit) {
 
 /* What a particle has moved in this substep: its step, and what projections have added. */
 __attribute__((noinline)) static vec3 moved_of(const fray_world *w, uint32_t p) {
-  return vec_make((int32_t)fx_round64(w->vx[p], FX_SUB_BITS) + fx_sub(w->x[p], w->qx[p]),
-                  (int32_t)fx_round64(w->vy[p], FX_SUB_BITS) + fx_sub(w->y[p], w->qy[p]),
-                  (int32_t)fx_round64(w->vz[p], FX_SUB_BITS) + fx_sub(w->z[p], w->qz[p]));
+  return vec_make(fx_round(w->vx[p], FX_SUB_BITS) + fx_sub(w->x[p], w->qx[p]),
+                  fx_round(w->vy[p], FX_SUB_BITS) + fx_sub(w->y[p], w->qy[p]),
+                  fx_round(w->vz[p], FX_SUB_BITS) + fx_sub(w->z[p], w->qz[p]));
 }
 
 static vec3 friction(const fray_world *w, const slip_pair *pair, vec3 normal, int32_t pressed) {
@@ -303,7 +326,7 @@ static int is_through(const slip_star *s, vec3 gap, vec3 side) {
   return vec_squared(side) / 4u > (uint64_t)fx_mul_wide(dot(a, a) / 4, dot(b, b) / 4); /* sine 1/2 */
 }
 
-__attribute__((noinline)) static void slide(fray_world *w, uint32_t c) {
+void slip_couple(fray_world *w, uint32_t c) {
   slip_pair pair;
   slip_star star;
   look_around(w, c, &star);
@@ -343,15 +366,37 @@ __attribute__((noinline)) static void bind(fray_world *w, uint32_t c) {
   slip_move(w, &pair, limited(by, w->params->thickness), 0);
 }
 
-void slip_run(fray_world *w) {
+/* Couples that slip in this tick, by colour. */
+__attribute__((noinline)) static void find_couples(fray_world *w) {
+  const uint32_t warps = (uint32_t)w->params->warps;
+  for (uint32_t n = 0; n < SLIP_COLOURS; ++n) w->slip_head[n] = SLIP_NOBODY;
   for (uint32_t p = (uint32_t)w->params->particles; p < w->particles; ++p) {
     const uint32_t c = w->place[p];
-    const fray_couple now = couple_at(w, c);
-    if (now == FRAY_DISCONNECTED) continue;
-    if (now == FRAY_LOOSE)
-      slide(w, c);
-    else
-      bind(w, c);
-    ++w->work.slips;
+    if (couple_at(w, c) == FRAY_DISCONNECTED) continue;
+    uint32_t *head = &w->slip_head[(c - c / warps * (warps - 2u)) % SLIP_COLOURS];
+    w->slip_next[c] = (row_id)*head;
+    *head = c;
+  }
+}
+
+void slip_run(fray_world *w, uint32_t substep) {
+  if (!world_has_yarns(w)) return;
+  if (substep == 0) {
+    find_couples(w);
+#if SLIP_PLANNED
+    slip_plan(w);
+#endif
+  }
+  for (uint32_t n = 0; n < SLIP_COLOURS; ++n) {
+#if SLIP_PLANNED
+    slip_run_planned(w, n);
+#endif
+    for (uint32_t c = w->slip_head[n]; c != SLIP_NOBODY; c = w->slip_next[c]) {
+      if (couple_at(w, c) == FRAY_LOOSE)
+        slip_couple(w, c);
+      else
+        bind(w, c);
+      ++w->work.slips;
+    }
   }
 }

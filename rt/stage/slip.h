@@ -23,4 +23,13 @@ vec3 slip_gap(const fray_world *w, const slip_pair *pair);
  * no velocity changes. Returns 0, having done nothing, iff nothing of the springs is free to move. */
 int slip_move(fray_world *w, const slip_pair *pair, vec3 by, int quiet);
 
+/* What a loose couple does in a substep. */
+void slip_couple(fray_world *w, uint32_t crossing);
+#if SLIP_PLANNED
+/* Takes from the lists of this tick's couples what a kernel takes. */
+void slip_plan(fray_world *w);
+/* The planned couples of a colour. */
+void slip_run_planned(fray_world *w, uint32_t colour);
+#endif
+
 #endif

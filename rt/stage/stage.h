@@ -16,7 +16,7 @@ void collide_gather(fray_world *w);                       /* who may touch what 
 void predict_run(fray_world *w, uint32_t substep);
 void stretch_run(fray_world *w); /* in the place of its particles, where yarns have a stiffness */
 void strain_run(fray_world *w);
-void slip_run(fray_world *w); /* loose couples keep the cloth's thickness apart */
+void slip_run(fray_world *w, uint32_t substep); /* loose couples keep the cloth's thickness apart */
 void collide_run(fray_world *w);
 void finish_run(fray_world *w);
 

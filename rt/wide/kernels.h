@@ -8,6 +8,7 @@
 #include "rt/wide/over.h"
 #include "rt/wide/project.h"
 #include "rt/wide/push.h"
+#include "rt/wide/slides.h"
 
 #ifdef LANES_RULE_NOTHING_OUT
 #define near_any wide_maybe
@@ -15,6 +16,10 @@
 #else
 #define near_any reach_any
 #define near_any_above reach_any_above
+#endif
+
+#ifndef LANES_LONGS
+#define slides_run wide_none
 #endif
 
 #define WIDE_DEFINE(set, name, parameters, arguments, scalar, wide) \

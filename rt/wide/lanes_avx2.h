@@ -42,6 +42,11 @@ LANES_INLINE lanes lanes_of(const int32_t *from, const uint32_t at[LANES]) {
   return _mm256_set_epi32(from[at[7]], from[at[6]], from[at[5]], from[at[4]], from[at[3]],
                           from[at[2]], from[at[1]], from[at[0]]);
 }
+/* Words of a table by the low bits of `at`, all of which must be in it: 8 words. */
+#define LANES_TABLE 8
+LANES_INLINE lanes lanes_from(const int32_t *table, lanes at) {
+  return _mm256_permutevar8x32_epi32(_mm256_loadu_si256((const __m256i *)(const void *)table), at);
+}
 LANES_INLINE lanes lanes_load(const int32_t *from) {
   return _mm256_loadu_si256((const __m256i *)(const void *)from);
 }
@@ -120,6 +125,56 @@ LANES_INLINE lanes lanes_load_kinds_part(const uint8_t *from, uint32_t count) {
   uint64_t kinds = 0;
   for (uint32_t n = 0; n < count; ++n) kinds |= (uint64_t)from[n] << 8 * n;
   return _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((int64_t)kinds));
+}
+LANES_INLINE lane_mask lanes_both(lane_mask a, lane_mask b) { return _mm256_and_si256(a, b); }
+LANES_INLINE lane_mask lanes_either(lane_mask a, lane_mask b) { return _mm256_or_si256(a, b); }
+LANES_INLINE lane_mask lanes_without(lane_mask a, lane_mask b) { return _mm256_andnot_si256(b, a); }
+/* Of naturals. */
+LANES_INLINE lanes lanes_lesser(lanes a, lanes b) { return _mm256_min_epu32(a, b); }
+
+/* 64-bit lanes: those of the even lanes and those of the odd ones. */
+#define LANES_LONGS
+typedef struct {
+  __m256i even, odd;
+} longs;
+LANES_INLINE __m256i lanes_odd(lanes v) { return _mm256_srli_epi64(v, 32); }
+LANES_INLINE longs longs_all(int64_t v) { return (longs){_mm256_set1_epi64x(v), _mm256_set1_epi64x(v)}; }
+LANES_INLINE longs longs_mul(lanes a, lanes b) {
+  return (longs){_mm256_mul_epi32(a, b), _mm256_mul_epi32(lanes_odd(a), lanes_odd(b))};
+}
+LANES_INLINE longs longs_mul_u(lanes a, lanes b) {
+  return (longs){_mm256_mul_epu32(a, b), _mm256_mul_epu32(lanes_odd(a), lanes_odd(b))};
+}
+LANES_INLINE longs longs_add(longs a, longs b) {
+  return (longs){_mm256_add_epi64(a.even, b.even), _mm256_add_epi64(a.odd, b.odd)};
+}
+LANES_INLINE longs longs_sub(longs a, longs b) {
+  return (longs){_mm256_sub_epi64(a.even, b.even), _mm256_sub_epi64(a.odd, b.odd)};
+}
+/* Shifts are those of naturals. */
+LANES_INLINE longs longs_shr(longs v, unsigned s) {
+  return (longs){_mm256_srli_epi64(v.even, (int)s), _mm256_srli_epi64(v.odd, (int)s)};
+}
+LANES_INLINE longs longs_shl(longs v, unsigned s) {
+  return (longs){_mm256_slli_epi64(v.even, (int)s), _mm256_slli_epi64(v.odd, (int)s)};
+}
+LANES_INLINE __m256i lanes_even(lanes v) { return _mm256_blend_epi32(v, _mm256_setzero_si256(), 0xAA); }
+LANES_INLINE longs longs_shr_by(longs v, lanes s) {
+  return (longs){_mm256_srlv_epi64(v.even, lanes_even(s)), _mm256_srlv_epi64(v.odd, lanes_odd(s))};
+}
+LANES_INLINE longs longs_shl_by(longs v, lanes s) {
+  return (longs){_mm256_sllv_epi64(v.even, lanes_even(s)), _mm256_sllv_epi64(v.odd, lanes_odd(s))};
+}
+/* All ones below zero. */
+LANES_INLINE longs longs_sign(longs v) {
+  const __m256i zero = _mm256_setzero_si256();
+  return (longs){_mm256_cmpgt_epi64(zero, v.even), _mm256_cmpgt_epi64(zero, v.odd)};
+}
+LANES_INLINE lanes longs_low(longs v) {
+  return _mm256_blend_epi32(v.even, _mm256_slli_epi64(v.odd, 32), 0xAA);
+}
+LANES_INLINE lanes longs_high(longs v) {
+  return _mm256_blend_epi32(_mm256_srli_epi64(v.even, 32), v.odd, 0xAA);
 }
 
 #endif

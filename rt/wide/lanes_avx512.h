@@ -8,7 +8,8 @@
 #include "rt/model/rows.h"
 
 enum { LANES = 16, LANES_ALL = 65535 };
-#define LANES_RUNS 4 /* at most so many runs are stitched */
+#define LANES_RUNS 4 /* so many runs are stitched by code of their own */
+#define LANES_MORE_RUNS 6 /* at most */
 typedef __m512i lanes;
 typedef __mmask16 lane_mask;
 
@@ -41,6 +42,11 @@ LANES_INLINE lanes lanes_of(const int32_t *from, const uint32_t at[LANES]) {
                           from[at[10]], from[at[9]], from[at[8]], from[at[7]], from[at[6]],
                           from[at[5]], from[at[4]], from[at[3]], from[at[2]], from[at[1]],
                           from[at[0]]);
+}
+/* Words of a table by the low bits of `at`, all of which must be in it: 32 words. */
+#define LANES_TABLE 32
+LANES_INLINE lanes lanes_from(const int32_t *table, lanes at) {
+  return _mm512_permutex2var_epi32(_mm512_loadu_si512(table), at, _mm512_loadu_si512(table + 16));
 }
 LANES_INLINE lanes lanes_load(const int32_t *from) { return _mm512_loadu_si512(from); }
 LANES_INLINE void lanes_store(int32_t *to, lanes v) { _mm512_storeu_si512(to, v); }
@@ -90,6 +96,55 @@ LANES_INLINE lanes lanes_load_ids_part(const row_id *from, uint32_t count) {
 }
 LANES_INLINE lanes lanes_load_kinds_part(const uint8_t *from, uint32_t count) {
   return _mm512_cvtepu8_epi32(_mm_maskz_loadu_epi8(lanes_first(count), from));
+}
+LANES_INLINE lane_mask lanes_both(lane_mask a, lane_mask b) { return (lane_mask)(a & b); }
+LANES_INLINE lane_mask lanes_either(lane_mask a, lane_mask b) { return (lane_mask)(a | b); }
+LANES_INLINE lane_mask lanes_without(lane_mask a, lane_mask b) { return (lane_mask)(a & ~b); }
+/* Of naturals. */
+LANES_INLINE lanes lanes_lesser(lanes a, lanes b) { return _mm512_min_epu32(a, b); }
+
+/* 64-bit lanes: those of the even lanes and those of the odd ones. */
+#define LANES_LONGS
+typedef struct {
+  __m512i even, odd;
+} longs;
+LANES_INLINE __m512i lanes_odd(lanes v) { return _mm512_srli_epi64(v, 32); }
+LANES_INLINE longs longs_all(int64_t v) { return (longs){_mm512_set1_epi64(v), _mm512_set1_epi64(v)}; }
+LANES_INLINE longs longs_mul(lanes a, lanes b) {
+  return (longs){_mm512_mul_epi32(a, b), _mm512_mul_epi32(lanes_odd(a), lanes_odd(b))};
+}
+LANES_INLINE longs longs_mul_u(lanes a, lanes b) {
+  return (longs){_mm512_mul_epu32(a, b), _mm512_mul_epu32(lanes_odd(a), lanes_odd(b))};
+}
+LANES_INLINE longs longs_add(longs a, longs b) {
+  return (longs){_mm512_add_epi64(a.even, b.even), _mm512_add_epi64(a.odd, b.odd)};
+}
+LANES_INLINE longs longs_sub(longs a, longs b) {
+  return (longs){_mm512_sub_epi64(a.even, b.even), _mm512_sub_epi64(a.odd, b.odd)};
+}
+/* Shifts are those of naturals. */
+LANES_INLINE longs longs_shr(longs v, unsigned s) {
+  return (longs){_mm512_srli_epi64(v.even, s), _mm512_srli_epi64(v.odd, s)};
+}
+LANES_INLINE longs longs_shl(longs v, unsigned s) {
+  return (longs){_mm512_slli_epi64(v.even, s), _mm512_slli_epi64(v.odd, s)};
+}
+LANES_INLINE __m512i lanes_even(lanes v) { return _mm512_maskz_mov_epi32(0x5555, v); }
+LANES_INLINE longs longs_shr_by(longs v, lanes s) {
+  return (longs){_mm512_srlv_epi64(v.even, lanes_even(s)), _mm512_srlv_epi64(v.odd, lanes_odd(s))};
+}
+LANES_INLINE longs longs_shl_by(longs v, lanes s) {
+  return (longs){_mm512_sllv_epi64(v.even, lanes_even(s)), _mm512_sllv_epi64(v.odd, lanes_odd(s))};
+}
+/* All ones below zero. */
+LANES_INLINE longs longs_sign(longs v) {
+  return (longs){_mm512_srai_epi64(v.even, 63), _mm512_srai_epi64(v.odd, 63)};
+}
+LANES_INLINE lanes longs_low(longs v) {
+  return _mm512_mask_blend_epi32(0xAAAA, v.even, _mm512_slli_epi64(v.odd, 32));
+}
+LANES_INLINE lanes longs_high(longs v) {
+  return _mm512_mask_blend_epi32(0xAAAA, _mm512_srli_epi64(v.even, 32), v.odd);
 }
 
 #endif

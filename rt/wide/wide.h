@@ -11,6 +11,7 @@
 #include "rt/wide/level.h"
 #include "rt/wide/link.h"
 #include "rt/wide/reach.h"
+#include "rt/wide/slide.h"
 #include "rt/wide/spring.h"
 #include "rt/wide/sweeps.h"
 
@@ -38,6 +39,9 @@
   /* contacts first..end-1, all with one plane that faces up */                                  \
   X(set, level, (level_view * v, uint32_t first, uint32_t end), (v, first, end), wide_none,      \
     lift_contacts)                                                                              \
+  /* couples first..end-1, which share no particle */                                           \
+  X(set, slide, (const slide_view *v, uint32_t first, uint32_t end), (v, first, end), wide_none, \
+    slides_run)                                                                                  \
   X(set, hash_words, (hash * h, const int32_t *const *words, uint32_t count), (h, words, count), \
     wide_none, digest_of_words)                                                                  \
   X(set, hash_bytes, (hash * h, const int8_t *const *bytes, uint32_t count), (h, bytes, count),  \

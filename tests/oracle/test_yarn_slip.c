@@ -153,7 +153,7 @@ static void a_yarn_that_was_pushed_through_comes_back(void) {
     memcpy(w->qx, w->x, w->particles * sizeof *w->x);
     memcpy(w->qy, w->y, w->particles * sizeof *w->y);
     memcpy(w->qz, w->z, w->particles * sizeof *w->z);
-    slip_run(w);
+    slip_run(w, 0);
   }
   distance = (double)(w->z[w->warp_at[c]] - w->z[w->crossing[c]]) * (over ? 1 : -1);
   figure("pushed_through_ends_at", distance / t, "T", "near 1");
@@ -171,12 +171,12 @@ static void what_is_t_apart_stays(void) {
   int32_t *before = malloc(w->particles * sizeof *before);
   if (before == NULL) fixture_give_up("test", "out of memory");
   memcpy(before, w->z, w->particles * sizeof *before);
-  for (uint32_t n = 0; n < 100; ++n) slip_run(w);
+  for (uint32_t n = 0; n < 100; ++n) slip_run(w, 0);
   for (uint32_t p = 0; p < w->particles; ++p)
     moved += fx_magnitude(w->z[p] - before[p]) > (uint32_t)w->params->thickness / 50u;
   CHECK_EQ_INT(moved, 0);
   memcpy(before, w->z, w->particles * sizeof *before);
-  slip_run(w);
+  slip_run(w, 0);
   for (uint32_t p = 0; p < w->particles; ++p) moved += fx_magnitude(w->z[p] - before[p]) > 2;
   CHECK_EQ_INT(moved, 0);
   free(before);
@@ -191,7 +191,7 @@ static int32_t left_of_slip(int32_t grip, int32_t slip) {
   const uint32_t c = 5 * 8 + 3;
   const uint32_t warp = w->warp_at[c];
   const uint32_t weft = w->crossing[c];
-  for (uint32_t n = 0; n < 50; ++n) slip_run(w);
+  for (uint32_t n = 0; n < 50; ++n) slip_run(w, 0);
   memcpy(w->qx, w->x, w->particles * sizeof *w->x);
   memcpy(w->qy, w->y, w->particles * sizeof *w->y);
   memcpy(w->qz, w->z, w->particles * sizeof *w->z);
@@ -203,7 +203,7 @@ static int32_t left_of_slip(int32_t grip, int32_t slip) {
   /* this couple alone */
   for (uint32_t other = 0; other < 64; ++other)
     if (other != c && couple_at(w, other) == FRAY_LOOSE) couple_change(w, other, FRAY_DISCONNECTED);
-  slip_run(w);
+  slip_run(w, 0);
   const int32_t left = w->vx[warp] / 16 + w->x[warp] - w->qx[warp] -
                        (w->vx[weft] / 16 + w->x[weft] - w->qx[weft]);
   fixture_close(&f);
