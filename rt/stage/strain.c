@@ -117,7 +117,8 @@ static void project_held(fray_world *w, link_view s, uint32_t first, uint32_t en
 
 void strain_part(fray_world *w, uint32_t b, uint32_t batches) {
   const link_view view = {w->x, w->y, w->z, w->row_i, w->row_j, w->row_class,
-                          world_has_stretch(w) ? w->limits : w->links};
+                          world_has_stretch(w) ? w->limits : w->links,
+                          w->capacity[POOL_LINK_CLASSES]};
   while (b < batches) {
     const int32_t held = w->batches[b].held;
     const uint32_t first = (uint32_t)w->batches[b].first;

@@ -195,7 +195,8 @@ static int32_t part(int32_t gravity, int32_t step, unsigned bits) {
 }
 
 void stretch_run(fray_world *w) {
-  const stretch_view s = {{w->x, w->y, w->z, w->row_i, w->row_j, w->row_class, w->links},
+  const stretch_view s = {{w->x, w->y, w->z, w->row_i, w->row_j, w->row_class, w->links,
+                           w->capacity[POOL_LINK_CLASSES]},
                           w->vx,
                           w->vy,
                           w->vz,

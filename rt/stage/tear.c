@@ -27,7 +27,8 @@ __attribute__((noinline)) static int ends_have_split(const fray_world *w, uint32
 void tear_part(fray_world *w, uint32_t first, uint32_t end) {
   const params *p = w->params;
   if (p->tearing == 0) return;
-  const link_view view = {w->x, w->y, w->z, w->row_i, w->row_j, w->row_class, w->links};
+  const link_view view = {w->x, w->y, w->z, w->row_i, w->row_j, w->row_class, w->links,
+                          w->capacity[POOL_LINK_CLASSES]};
   for (uint32_t row = first; row < end; ++row) {
     row = wide_over(w->kernel, view, p->tear_min, row, end);
     if (row == end) break;

@@ -49,7 +49,8 @@ __attribute__((noinline)) static void part_couple(fray_world *w, uint32_t from) 
 
 __attribute__((noinline)) static void find_strained(fray_world *w) {
   const int32_t least = w->yarns->transition_min;
-  const link_view view = {w->x, w->y, w->z, w->row_i, w->row_j, w->row_class, w->links};
+  const link_view view = {w->x, w->y, w->z, w->row_i, w->row_j, w->row_class, w->links,
+                          w->capacity[POOL_LINK_CLASSES]};
   const uint32_t end = (uint32_t)w->params->links;
   for (uint32_t row = 0; row < end; ++row) {
     row = wide_over(w->kernel, view, least, row, end);

@@ -32,6 +32,7 @@ typedef struct {
   const row_id *i, *j;
   const uint8_t *kind;
   const link_class *classes;
+  uint32_t class_count; /* 0: not said */
 } link_view;
 
 /* One component of d, in units of 2^LINK_SHIFT, in 16 bits. */

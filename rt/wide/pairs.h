@@ -2,7 +2,7 @@
 /* Rows of a batch, LANES at a time. Included after the lanes of an instruction set.
  *
  * Where the ends of rows follow one another in memory they go by plain loads and stores, in as many
- * runs as the lanes hold; with more than PAIRS_RUNS of them they are gathered. Rows of a batch share
+ * runs as the lanes hold; with more than PAIRS_MORE of them they are gathered. Rows of a batch share
  * no particle, so which of them go together does not matter. Dead rows, and all that lies outside of
  * a batch's rows, are neither read nor written.
  *
@@ -18,7 +18,12 @@
 #define LANES_UNROLLED
 #endif
 
-enum { PAIRS_RUNS = LANES_RUNS, PAIRS_WHOLE = 0, PAIRS_GATHERED = PAIRS_RUNS + 1 };
+#ifndef LANES_MORE_RUNS
+#define LANES_MORE_RUNS LANES_RUNS
+#endif
+
+/* Up to PAIRS_RUNS of one class, each number has code of its own; up to PAIRS_MORE there is a loop. */
+enum { PAIRS_RUNS = LANES_RUNS, PAIRS_MORE = LANES_MORE_RUNS, PAIRS_WHOLE = 0, PAIRS_GATHERED = PAIRS_MORE + 1 };
 
 /* Where a run of lanes lies: lane n at [from + n]. */
 typedef struct {
@@ -27,10 +32,11 @@ typedef struct {
 } pairs_run;
 
 typedef struct {
-  int way;             /* PAIRS_WHOLE: one run in all lanes; 1..PAIRS_RUNS runs; PAIRS_GATHERED */
+  int way;             /* PAIRS_WHOLE: one run in all lanes; 1..PAIRS_MORE runs; PAIRS_GATHERED */
   int one_class;
+  int light;           /* whether a row has a light end; of rows of many kinds */
   uint32_t kind;       /* then */
-  pairs_run run_i[PAIRS_RUNS], run_j[PAIRS_RUNS];
+  pairs_run run_i[PAIRS_MORE], run_j[PAIRS_MORE];
   /* of gathered ones; lanes without a row repeat another one, and write what it writes */
   uint32_t i[LANES], j[LANES], kinds[LANES];
 } pairs;
@@ -86,10 +92,7 @@ LANES_INLINE lanes pairs_class(const pairs *p, const int32_t *words, uint32_t wo
 
 /* Whether any row has a light end. */
 LANES_INLINE int pairs_light(const pairs *p) {
-  if (p->one_class) return (p->kind & ROW_LIGHT) != 0;
-  uint32_t all = 0;
-  for (int n = 0; n < LANES; ++n) all |= p->kinds[n];
-  return (all & ROW_LIGHT) != 0;
+  return p->one_class ? (p->kind & ROW_LIGHT) != 0 : p->light;
 }
 /* Those whose kind has the bit, of rows of many kinds. */
 LANES_INLINE lane_mask pairs_with(const pairs *p, uint32_t bit) {
@@ -152,14 +155,19 @@ LANES_INLINE void pairs_some(const pair_rows *s, uint32_t row, uint32_t count, i
   const uint32_t others = lanes_bits(lanes_differ(kinds, lanes_all((int32_t)p.kind))) & alive;
   uint32_t breaks =
       (lanes_breaks(ids_i) | lanes_breaks(ids_j)) & (0xFFFFFFFFu >> (32u - count));
-  if (others != 0 || __builtin_popcount(breaks) >= PAIRS_RUNS) {
+  const int runs_most = PAIRS_MORE > 1 || others == 0 ? PAIRS_MORE : 0;
+  if (others != 0) {
+    const lane_mask light = lanes_below_zero(lanes_shl(kinds, (unsigned)__builtin_clz(ROW_LIGHT)));
+    lanes_store((int32_t *)p.kinds, lanes_pick(used, kinds, lanes_all((int32_t)p.kind)));
+    p.light = lanes_bits(light) != 0;
+  }
+  if (__builtin_popcount(breaks) >= runs_most) {
     lanes_store((int32_t *)p.i, lanes_pick(used, ids_i, lanes_all((int32_t)i[first])));
     lanes_store((int32_t *)p.j, lanes_pick(used, ids_j, lanes_all((int32_t)j[first])));
     p.way = PAIRS_GATHERED;
     if (others == 0) {
       take(view, &p);
     } else {
-      lanes_store((int32_t *)p.kinds, lanes_pick(used, kinds, lanes_all((int32_t)p.kind)));
       p.one_class = 0;
       take(view, &p);
     }
@@ -179,12 +187,26 @@ LANES_INLINE void pairs_some(const pair_rows *s, uint32_t row, uint32_t count, i
     breaks &= breaks - 1u;
     begun = next;
   }
+#if LANES_MORE_RUNS > 1
+  if (others != 0) {
+    p.one_class = 0;
+    switch (runs) {
+      case 1: p.way = 1; take(view, &p); break;
+      case 2: p.way = 2; take(view, &p); break;
+      default: p.way = runs; take(view, &p); break;
+    }
+    return;
+  }
+#endif
   switch (runs) {
     case 1: p.way = 1; take(view, &p); break;
 #if LANES_RUNS == 4
     case 2: p.way = 2; take(view, &p); break;
     case 3: p.way = 3; take(view, &p); break;
-    default: p.way = 4; take(view, &p); break;
+    case 4: p.way = 4; take(view, &p); break;
+#if LANES_MORE_RUNS > 4
+    default: p.way = runs; take(view, &p); break;
+#endif
 #endif
   }
 }

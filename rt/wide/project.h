@@ -6,11 +6,44 @@
 #include "rt/wide/link.h"
 #include "rt/wide/pairs.h"
 
-LANES_INLINE lanes project_factor(lanes n, const pairs *p, const link_class *c,
-                                  const link_words *k) {
-  const lanes e = lanes_sub(n, pairs_class(p, &c->r2, LINK_CLASS_WORDS));
-  const lanes inverse = pairs_class(p, &c->inverse, LINK_CLASS_WORDS);
-  const lanes push = pairs_class(p, &c->push, LINK_CLASS_WORDS);
+#ifndef LANES_TABLE
+#define LANES_TABLE 1
+#define lanes_from(table, at) lanes_load(table) /* never */
+#endif
+
+/* Words of classes that rows of many kinds look up in lanes. */
+typedef enum { PROJECT_R2, PROJECT_N_MAX, PROJECT_INVERSE, PROJECT_PUSH, PROJECT_WORDS } project_name;
+typedef struct {
+  link_view at;
+  int has_table; /* which has place for all classes */
+  int32_t table[PROJECT_WORDS][LANES_TABLE];
+} project_view;
+
+LANES_INLINE void project_fill(project_view *v) {
+  const uint32_t count = v->at.class_count;
+  v->has_table = count > 0 && LANES_TABLE > 1 && count <= LANES_TABLE;
+  if (!v->has_table) return;
+  for (uint32_t n = 0; n < LANES_TABLE; ++n) {
+    const link_class *c = &v->at.classes[n < count ? n : 0];
+    v->table[PROJECT_R2][n] = c->r2;
+    v->table[PROJECT_N_MAX][n] = c->n_max;
+    v->table[PROJECT_INVERSE][n] = c->inverse;
+    v->table[PROJECT_PUSH][n] = c->push;
+  }
+}
+
+LANES_INLINE lanes project_word(const project_view *v, const pairs *p, project_name name,
+                                const int32_t *words) {
+  if (!p->one_class && v->has_table)
+    return lanes_from(v->table[name], lanes_load((const int32_t *)p->kinds));
+  return pairs_class(p, words, LINK_CLASS_WORDS);
+}
+
+LANES_INLINE lanes project_factor(const project_view *v, lanes n, const pairs *p, const link_words *k) {
+  const link_class *c = v->at.classes;
+  const lanes e = lanes_sub(n, project_word(v, p, PROJECT_R2, &c->r2));
+  const lanes inverse = project_word(v, p, PROJECT_INVERSE, &c->inverse);
+  const lanes push = project_word(v, p, PROJECT_PUSH, &c->push);
   const lanes scaled = lanes_mul(lanes_asr(lanes_add(e, lanes_word(&k->e_half)), 5), inverse);
   const lanes u = lanes_max(lanes_asr(lanes_add(scaled, lanes_word(&k->u_half)), 11),
                             lanes_word(&k->u_least));
@@ -48,15 +81,16 @@ LANES_INLINE lanes project_third(const pairs *p, lanes f) {
 }
 
 LANES_INLINE void project_pairs(const void *view, const pairs *p) {
-  const link_view *s = (const link_view *)view;
+  const project_view *v = (const project_view *)view;
+  const link_view *s = &v->at;
   const link_words *k = &wide_link_words;
   int32_t *const at[3] = {s->x, s->y, s->z};
   const lanes i[3] = {pairs_fetch_i(p, s->x), pairs_fetch_i(p, s->y), pairs_fetch_i(p, s->z)};
   const lanes j[3] = {pairs_fetch_j(p, s->x), pairs_fetch_j(p, s->y), pairs_fetch_j(p, s->z)};
   const lanes d[3] = {lanes_sub(j[0], i[0]), lanes_sub(j[1], i[1]), lanes_sub(j[2], i[2])};
   const lanes hi[3] = {project_upper(d[0], k), project_upper(d[1], k), project_upper(d[2], k)};
-  const lanes n = project_squared(d, hi, pairs_class(p, &s->classes->n_max, LINK_CLASS_WORDS));
-  lanes f = project_factor(n, p, s->classes, k);
+  const lanes n = project_squared(d, hi, project_word(v, p, PROJECT_N_MAX, &s->classes->n_max));
+  lanes f = project_factor(v, n, p, k);
   const int light = pairs_light(p);
   if (light) f = project_third(p, f);
   LANES_UNROLLED
@@ -68,7 +102,8 @@ LANES_INLINE void project_pairs(const void *view, const pairs *p) {
 }
 
 #ifdef LANES_MANY
-LANES_INLINE void project_groups(const link_view *s, const pairs_many *m, uint32_t count) {
+LANES_INLINE void project_groups(const project_view *v, const pairs_many *m, uint32_t count) {
+  const link_view *s = &v->at;
   const link_words *k = &wide_link_words;
   int32_t *const at[3] = {s->x, s->y, s->z};
   const lanes n_max = pairs_class(&m->one, &s->classes->n_max, LINK_CLASS_WORDS);
@@ -83,7 +118,7 @@ LANES_INLINE void project_groups(const link_view *s, const pairs_many *m, uint32
     }
     f[g] = project_squared(d, hi[g], n_max);
   }
-  for (uint32_t g = 0; g < count; ++g) f[g] = project_factor(f[g], &m->one, s->classes, k);
+  for (uint32_t g = 0; g < count; ++g) f[g] = project_factor(v, f[g], &m->one, k);
   for (uint32_t g = 0; g < count; ++g) {
     LANES_UNROLLED
     for (int a = 0; a < 3; ++a) {
@@ -99,9 +134,9 @@ LANES_INLINE void project_groups(const link_view *s, const pairs_many *m, uint32
 /* Most are full, which compilers unroll. */
 LANES_INLINE void project_many(const void *view, const pairs_many *m) {
   if (m->count == LANES_MANY)
-    project_groups((const link_view *)view, m, LANES_MANY);
+    project_groups((const project_view *)view, m, LANES_MANY);
   else
-    project_groups((const link_view *)view, m, m->count);
+    project_groups((const project_view *)view, m, m->count);
 }
 #else
 #define project_many NULL
@@ -109,7 +144,10 @@ LANES_INLINE void project_many(const void *view, const pairs_many *m) {
 
 LANES_INLINE uint32_t project_batches(link_view s, const row_batch *batches, uint32_t count) {
   const pair_rows rows = {s.i, s.j, s.kind};
-  return pairs_each(&rows, batches, count, project_pairs, project_many, &s);
+  project_view v;
+  v.at = s;
+  project_fill(&v);
+  return pairs_each(&rows, batches, count, project_pairs, project_many, &v);
 }
 
 #endif

@@ -265,7 +265,8 @@ static void project_relaxed(fray_world *w, uint32_t row) {
 
 /* Whether a projection would move an end by more than `quiet` steps. */
 static int is_loud(const fray_world *w, const row_batch *b) {
-  const link_view s = {w->x, w->y, w->z, w->row_i, w->row_j, w->row_class, w->links};
+  const link_view s = {w->x, w->y, w->z, w->row_i, w->row_j, w->row_class, w->links,
+                      w->capacity[POOL_LINK_CLASSES]};
   for (int32_t row = b->first; row < b->first + b->count; ++row) {
     const uint32_t kind = w->row_class[row];
     if (kind == ROW_DEAD) continue;
@@ -277,7 +278,8 @@ static int is_loud(const fray_world *w, const row_batch *b) {
 }
 
 static void run_batch(fray_world *w, uint32_t n, uint32_t substep) {
-  const link_view view = {w->x, w->y, w->z, w->row_i, w->row_j, w->row_class, w->links};
+  const link_view view = {w->x, w->y, w->z, w->row_i, w->row_j, w->row_class, w->links,
+                      w->capacity[POOL_LINK_CLASSES]};
   const row_batch *b = &w->batches[n];
   const uint32_t first = (uint32_t)b->first;
   const uint32_t end = first + (uint32_t)b->count;
