@@ -126,6 +126,33 @@ typedef struct {
 
 typedef void pairs_take(const void *view, const pairs *p);
 
+/* One call for each number of runs, so that it is a constant in each. */
+LANES_INLINE void pairs_stitched(pairs *runs_of, int runs, int one_class, pairs_take *take,
+                                 const void *view) {
+#if LANES_MORE_RUNS > 1
+  if (!one_class) {
+    runs_of->one_class = 0;
+    switch (runs) {
+      case 1: runs_of->way = 1; take(view, runs_of); break;
+      case 2: runs_of->way = 2; take(view, runs_of); break;
+      default: runs_of->way = runs; take(view, runs_of); break;
+    }
+    return;
+  }
+#endif
+  switch (runs) {
+    case 1: runs_of->way = 1; take(view, runs_of); break;
+#if LANES_RUNS == 4
+    case 2: runs_of->way = 2; take(view, runs_of); break;
+    case 3: runs_of->way = 3; take(view, runs_of); break;
+    case 4: runs_of->way = 4; take(view, runs_of); break;
+#if LANES_MORE_RUNS > 4
+    default: runs_of->way = runs; take(view, runs_of); break;
+#endif
+#endif
+  }
+}
+
 /* Takes `count` rows from `row` on, at most LANES. */
 LANES_INLINE void pairs_some(const pair_rows *s, uint32_t row, uint32_t count, int whole,
                              pairs_take *take, const void *view) {
@@ -173,7 +200,6 @@ LANES_INLINE void pairs_some(const pair_rows *s, uint32_t row, uint32_t count, i
     }
     return;
   }
-  /* one call for each number of runs, so that it is a constant in each */
   int runs = 0;
   uint32_t begun = 0;
   for (;;) {
@@ -187,28 +213,7 @@ LANES_INLINE void pairs_some(const pair_rows *s, uint32_t row, uint32_t count, i
     breaks &= breaks - 1u;
     begun = next;
   }
-#if LANES_MORE_RUNS > 1
-  if (others != 0) {
-    p.one_class = 0;
-    switch (runs) {
-      case 1: p.way = 1; take(view, &p); break;
-      case 2: p.way = 2; take(view, &p); break;
-      default: p.way = runs; take(view, &p); break;
-    }
-    return;
-  }
-#endif
-  switch (runs) {
-    case 1: p.way = 1; take(view, &p); break;
-#if LANES_RUNS == 4
-    case 2: p.way = 2; take(view, &p); break;
-    case 3: p.way = 3; take(view, &p); break;
-    case 4: p.way = 4; take(view, &p); break;
-#if LANES_MORE_RUNS > 4
-    default: p.way = runs; take(view, &p); break;
-#endif
-#endif
-  }
+  pairs_stitched(&p, runs, others == 0, take, view);
 }
 
 typedef struct pairs_many pairs_many;

@@ -144,8 +144,7 @@ LANES_INLINE void project_many(const void *view, const pairs_many *m) {
 
 LANES_INLINE uint32_t project_batches(link_view s, const row_batch *batches, uint32_t count) {
   const pair_rows rows = {s.i, s.j, s.kind};
-  project_view v;
-  v.at = s;
+  project_view v = {s, 0, {{0}}};
   project_fill(&v);
   return pairs_each(&rows, batches, count, project_pairs, project_many, &v);
 }
