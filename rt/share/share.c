@@ -20,7 +20,7 @@
 #include "rt/stage/cuts.h"
 
 /* The least rows times passes that a worker is worth waking for; the least blocks worth overlapping. */
-enum { ROWS_A_WORKER = 8192, BLOCKS_LEAST = 4 };
+enum { ROWS_A_WORKER = 24576, BLOCKS_LEAST = 4 };
 
 static int has_free_body(const fray_world *w) {
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)

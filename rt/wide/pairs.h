@@ -139,6 +139,8 @@ LANES_INLINE void pairs_stitched(pairs *runs_of, int runs, int one_class, pairs_
     }
     return;
   }
+#else
+  (void)one_class;
 #endif
   switch (runs) {
     case 1: runs_of->way = 1; take(view, runs_of); break;
