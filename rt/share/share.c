@@ -142,11 +142,11 @@ static void open_tick(fray_share *s, const fray_input *input, fray_output *outpu
 
 typedef enum { SPRINGS_NEAR, SPRINGS_OWN, SPRINGS_FAR } springs_kind;
 
-/* A worker's rows of a kind, in batches from b on. */
-static void run_springs(const fray_share *s, uint32_t worker, springs_kind kind, uint32_t b, uint32_t end) {
+/* A worker's rows of a kind. */
+static void run_springs(const fray_share *s, uint32_t worker, springs_kind kind, uint32_t from, uint32_t end) {
   fray_world *w = &s->parts[worker].world;
   const uint32_t first = (uint32_t)w->params->link_batches;
-  for (; b < end; ++b) {
+  for (uint32_t b = from; b < end; ++b) {
     const share_cut *rows = s->cuts + (size_t)(b - first) * (s->workers + 1u) + worker;
     const uint32_t at[4] = {rows->near, rows->own, rows->far, rows[1].near};
     if (at[kind] < at[kind + 1]) springs_part(w, b, at[kind], at[kind + 1]);
