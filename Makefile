@@ -56,6 +56,9 @@ $(BUILD)/%.o: %.c
 # what must not wrap unless it says so: the runtime, and what computes images
 $(BUILD)/rt/%.o $(BUILD)/tools/build/%.o: FLAGS += $(EXACT)
 
+# sanitizers make much of kernels that are one function each: minutes a file at -O2
+$(BUILD)/rt/wide/%.o: FLAGS += $(WIDE)
+
 # pictures are the same to the byte everywhere: no fused products, no x87, no floats in doubles
 MACROS = $(shell echo __i386__ __s390__ | $(CC) $(EXTRA) -E -P -x c - 2>/dev/null)
 FLOATS = $(if $(filter 1,$(word 1,$(MACROS))),-msse2 -mfpmath=sse) \
@@ -108,12 +111,12 @@ wide: $(WIDE_TESTS) ## wide kernels against the scalar code, ROWS (10^8) random 
 
 SANITIZE := -fno-sanitize-recover=all -fno-omit-frame-pointer -DSWEEP_FEWER=10
 san: ## every test program and the command, under sanitizers of gcc and clang
-	$(MAKE) test SUITES=cli BUILD=build-san-gcc CC=gcc OPT=-O2 EXTRA="-fsanitize=address,undefined $(SANITIZE)"
-	$(MAKE) test SUITES=cli BUILD=build-san-clang CC=clang OPT=-O2 EXTRA="-fsanitize=address,undefined $(SANITIZE)"
+	$(MAKE) test SUITES=cli BUILD=build-san-gcc CC=gcc OPT=-O2 EXTRA="-fsanitize=address,undefined $(SANITIZE)" WIDE=-O0
+	$(MAKE) test SUITES=cli BUILD=build-san-clang CC=clang OPT=-O2 EXTRA="-fsanitize=address,undefined $(SANITIZE)" WIDE=-O0
 	$(MAKE) san-integer
 
 san-integer: ## rt and the scene compiler under clang's integer sanitizer: a wrap is meant or a bug
-	$(MAKE) test SUITES=cli BUILD=build-san-integer CC=clang OPT=-O2 EXTRA="-fsanitize=undefined $(SANITIZE)" EXACT=-fsanitize=integer
+	$(MAKE) test SUITES=cli BUILD=build-san-integer CC=clang OPT=-O2 EXTRA="-fsanitize=undefined $(SANITIZE)" EXACT=-fsanitize=integer WIDE=-O0
 
 san-thread: $(FRAY) ## the threads that share a tick, under clang's thread sanitizer
 	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) sh tests/workers/workers.sh race
