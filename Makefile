@@ -29,7 +29,7 @@ IMAGE_16 := $(BUILD)/id16/tests/unit/test_image
 WIDE_16 := $(BUILD)/id16/tests/unit/test_wide
 FX_NARROW := $(addprefix $(BUILD)/narrow/tests/unit/,test_fx test_sweep)
 
-.PHONY: all help run test clean san san-integer san-thread checked golden golden-update wide fuzz tidy size stack work budget-update \
+.PHONY: all help run test clean san san-gcc san-clang san-integer san-thread checked golden golden-update wide fuzz tidy size stack work budget-update \
         proof install bench figures force targets target-test can-test bus-test bus-test-qemu bus-soak
 all: $(FRAY) ## build the `fray` command
 
@@ -84,8 +84,8 @@ $(BUILD)/faults/%.o: %.c
 	@$(CC) $(FLAGS) -DFRAY_SYS_FAULTS -c $< -o $@
 
 # fixed point and sweeps once more, as on cores that do one thing at a time
-$(FX_NARROW): force
-	@$(MAKE) --no-print-directory -s BUILD=$(BUILD)/narrow EXTRA="$(EXTRA) -DFX_NARROW=1 -DFX_NO_LONG_MULTIPLY=1" EXACT="$(EXACT)" $@
+$(FX_NARROW) &: force
+	@$(MAKE) --no-print-directory -s BUILD=$(BUILD)/narrow EXTRA="$(EXTRA) -DFX_NARROW=1 -DFX_NO_LONG_MULTIPLY=1" EXACT="$(EXACT)" $(FX_NARROW)
 
 # the loader and the wide kernels once more, with 16-bit ids
 $(IMAGE_16) $(WIDE_16) &: force
@@ -109,11 +109,14 @@ WIDE_TESTS := $(BUILD)/tests/unit/test_wide $(WIDE_16) $(addprefix $(BUILD)/test
 wide: $(WIDE_TESTS) ## wide kernels against the scalar code, ROWS (10^8) random rows of each kind
 	@for program in $(WIDE_TESTS); do echo "$$program $(ROWS)"; ./$$program $(ROWS) || exit 1; done
 
-SANITIZE := -fno-sanitize-recover=all -fno-omit-frame-pointer -DSWEEP_FEWER=10
-san: ## every test program and the command, under sanitizers of gcc and clang
+SANITIZE := -fno-sanitize-recover=all -fno-omit-frame-pointer -DSWEEP_FEWER=10 -DTEAM_STACK=4194304
+san: san-gcc san-clang san-integer ## every test program and the command, under sanitizers of gcc and clang
+
+san-gcc:
 	$(MAKE) test SUITES=cli BUILD=build-san-gcc CC=gcc OPT=-O2 EXTRA="-fsanitize=address,undefined $(SANITIZE)" WIDE=-O0
+
+san-clang:
 	$(MAKE) test SUITES=cli BUILD=build-san-clang CC=clang OPT=-O2 EXTRA="-fsanitize=address,undefined $(SANITIZE)" WIDE=-O0
-	$(MAKE) san-integer
 
 san-integer: ## rt and the scene compiler under clang's integer sanitizer: a wrap is meant or a bug
 	$(MAKE) test SUITES=cli BUILD=build-san-integer CC=clang OPT=-O2 EXTRA="-fsanitize=undefined $(SANITIZE)" EXACT=-fsanitize=integer WIDE=-O0

@@ -6,8 +6,12 @@
 #include <signal.h>
 #include <string.h>
 
+#ifndef TEAM_STACK
+#define TEAM_STACK (1 << 17) /* kernels that a compiler does not optimise take more */
+#endif
+
 /* Who waits looks so often, then lets others run so often, then sleeps. A look is some 20 ns. */
-enum { LOOKS = 2000, TURNS = 20, STACK = 1 << 17 };
+enum { LOOKS = 2000, TURNS = 20 };
 
 static void relax(void) {
 #if defined(__x86_64__) || defined(__i386__)
@@ -117,7 +121,7 @@ static int start_threads(team *t) {
   pthread_attr_t attributes;
   sigset_t all, before;
   if (pthread_attr_init(&attributes) != 0) return 0;
-  (void)pthread_attr_setstacksize(&attributes, STACK);
+  (void)pthread_attr_setstacksize(&attributes, TEAM_STACK);
   sigfillset(&all);
   (void)pthread_sigmask(SIG_BLOCK, &all, &before);
   for (t->started = 1; t->started < t->workers; ++t->started) {

@@ -261,11 +261,12 @@ static void hash_blocks(fray_share *s, uint32_t from, uint32_t end) {
 /* Everybody his own; but who ends last leaves it to the one before, block by block. */
 static void hash_step_of(fray_share *s, uint32_t worker, uint32_t step) {
   const uint32_t last = s->owners - 1u;
-  const uint32_t block = s->from[last] + step - s->at.hash - 1u;
   if (step == s->at.hash && (worker != last || last == 0))
     hash_blocks(s, s->from[worker], s->from[worker + 1u]);
-  else if (step != s->at.hash && worker + 1u == last)
-    hash_blocks(s, block, block + 1u);
+  if (step != s->at.hash && worker + 1u == last) {
+    const uint32_t end = s->from[last] + step - s->at.hash;
+    hash_blocks(s, end - 1u, end);
+  }
 }
 
 static void tear_own(const fray_share *s, uint32_t worker) {

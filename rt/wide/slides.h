@@ -65,7 +65,8 @@ LANES_INLINE void slides_divide(lanes *n, const lanes *d, unsigned bits, int cou
   lanes missing[4]; /* the quotient's zeros */
   for (int k = 0; k < count; ++k) missing[k] = lanes_all(0);
   SLIDES_UNROLLED
-  for (unsigned bit = bits; bit-- > 0;) {
+  for (unsigned left = bits; left != 0; --left) {
+    const unsigned bit = left - 1u;
     SLIDES_UNROLLED
     for (int k = 0; k < count; ++k) {
       const lanes rest = lanes_sub(n[k], bit == 0 ? d[k] : lanes_shl(d[k], bit));
@@ -82,7 +83,8 @@ LANES_INLINE void slides_ratios(lanes n[4], lanes d, lanes quotient[4]) {
   lanes missing[4];
   for (int k = 0; k < 4; ++k) missing[k] = lanes_all(0);
   SLIDES_UNROLLED
-  for (unsigned bit = 17; bit-- > 0;) {
+  for (unsigned left = 17; left != 0; --left) {
+    const unsigned bit = left - 1u;
     const lanes part = bit > 15 ? lanes_add(d, d) : d;
     SLIDES_UNROLLED
     for (int k = 0; k < 4; ++k) {
