@@ -24,7 +24,7 @@ extern "C" {
 
 #define FRAY_VERSION "0.3.0"
 #define FRAY_IMAGE_MAJOR 2u
-#define FRAY_IMAGE_MINOR 2u
+#define FRAY_IMAGE_MINOR 3u
 
 enum { FRAY_HANDS = 2 };
 
@@ -112,7 +112,9 @@ enum {
   FRAY_FAULT_LEFT_WORLD = 1u << 4,    /* something was held back at the edge of the world */
   FRAY_FAULT_HALTED = 1u << 5,        /* HALT: the bus was lost, or an operator said so */
   FRAY_FAULT_SPARES_FULL = 1u << 6,   /* a crossing stays whole: raise `limits spare_particles` */
-  FRAY_FAULT_SPLITS_WAIT = 1u << 7    /* more crossings split or come apart than `splits_per_tick` */
+  FRAY_FAULT_SPLITS_WAIT = 1u << 7,   /* more crossings split or come apart than `splits_per_tick` */
+  FRAY_FAULT_TRIANGLES_FULL = 1u << 11 /* a sheet does not tear or is not cut: raise `limits
+                                           spare_triangles` */
 };
 
 typedef enum {
@@ -135,6 +137,9 @@ typedef struct {
   uint32_t splits;      /* crossings split or loosened */
   uint32_t slips;       /* connected and loose couples x substeps */
   uint32_t stretches;   /* structural rows x inner steps x substeps, twice with damping */
+  uint32_t lines;       /* along which a triangle sheet was tried for tearing */
+  uint32_t pulls;       /* triangles x inner steps x substeps */
+  uint32_t folds;       /* sides of two triangles, each time they are bent */
 } fray_work;
 
 typedef struct {
@@ -149,7 +154,8 @@ typedef struct {
   uint8_t result; /* fray_result of the acked verb */
   uint16_t faults;
   uint32_t cuts_waiting; /* springs over their threshold that the cap left for the next tick */
-  uint32_t cut_first;    /* structural spring (canonical id) cut first in this tick; see cuts */
+  uint32_t cut_first;    /* structural spring (canonical id) cut first in this tick, or the vertex where a
+                            triangle sheet tore; see cuts */
   uint32_t cuts_total;
   uint32_t splits_waiting;       /* crossings that the cap left for the next tick */
   uint32_t couples_connected, couples_loose, couples_disconnected; /* of the whole sheet */
@@ -295,6 +301,9 @@ typedef struct {
   int32_t stretch_limit_q16;       /* strain from which on projection holds it */
   int32_t gravity[3];              /* Q28 lu per substep, per substep: whole part (floor) */
   uint32_t gravity_rest[3];        /* 2^-32 of that unit */
+  uint32_t triangles, triangles_max; /* in use; 0: a woven sheet */
+  uint32_t inner_steps;            /* of a triangle sheet's stress in a substep */
+  int32_t stiffness_q30;           /* of it: share of the measured stiffness, 1 << 30 is all */
   uint32_t hands;                  /* bit h: a body follows hand h */
   uint8_t consumed[FRAY_HANDS];    /* counter of the last pose consumed; 0 before the first */
 } fray_facts;
@@ -321,6 +330,19 @@ fray_couple fray_couple_at(const fray_world *world, uint32_t crossing);
 uint32_t fray_particle_of(const fray_world *world, uint32_t crossing, fray_axis axis);
 /* The body that carries a held particle (particle < held). */
 uint32_t fray_holder(const fray_world *world, uint32_t particle);
+
+/* A triangle of a triangle sheet, from 0 to fray_describe().triangles - 1: its vertices are particles,
+ * anticlockwise in rest coordinates; side k is opposite vertex k. */
+typedef enum { FRAY_SIDE_WHOLE = 0, FRAY_SIDE_TORN = 1, FRAY_SIDE_CUT = 2 } fray_side;
+typedef struct {
+  uint32_t vertex[3];
+  int32_t u[3], v[3];      /* Q24 lu: rest coordinates, along weft and warp */
+  int32_t stress[3];       /* uu, vv, uv, Q12 N/m: now */
+  uint8_t border[3];       /* no triangle beyond that side */
+  uint8_t side[3];         /* fray_side: what made that border */
+  uint8_t cloth;
+} fray_triangle;
+fray_triangle fray_view_triangle(const fray_world *world, uint32_t triangle);
 
 /* One pool of the memory plan: `index` from 0; returns 0 past the last. */
 typedef struct {

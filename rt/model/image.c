@@ -12,7 +12,10 @@
   {#field, id, role, kind, pool, POOL_SPLITS, words, AT(field)}
 #define STRETCH(id, pool, words, field) \
   {#field, id, ROLE_CONSTANT, KIND_WORD, pool, POOL_STRETCH, words, AT(field)}
+#define SHEET(id, role, kind, pool, words, field) \
+  {#field, id, role, kind, pool, POOL_TRIANGLES, words, AT(field)}
 #define TICK(pool, type, field) {#field, 0, ROLE_TICK, KIND_STRUCT, pool, 0, sizeof(type), AT(field)}
+#define SHEET_TICK(pool, type, field) SHEET(0, ROLE_TICK, KIND_STRUCT, pool, sizeof(type), field)
 
 const image_array image_arrays[] = {
     WORDS(1, ROLE_CONSTANT, POOL_PARAMS, PARAM_WORDS, params),
@@ -50,6 +53,33 @@ const image_array image_arrays[] = {
     STRETCH(33, POOL_PARAMS, STRETCH_PARAM_WORDS, stretch),
     STRETCH(34, POOL_STRETCH, STRETCH_CLASS_WORDS, pulls),
     STRETCH(35, POOL_STRETCH, LINK_CLASS_WORDS, limits),
+    SHEET(36, ROLE_CONSTANT, KIND_WORD, POOL_PARAMS, SHEET_PARAM_WORDS, sheet.params),
+    SHEET(37, ROLE_STATE, KIND_WORD, POOL_STATE, SHEET_STATE_WORDS, sheet.state),
+    SHEET(38, ROLE_STATE, KIND_ID, POOL_TRIANGLES, SHEET_TRIANGLE_IDS, sheet.triangle),
+    SHEET(39, ROLE_STATE, KIND_WORD, POOL_TRIANGLES, 1, sheet.area),
+    SHEET(40, ROLE_STATE, KIND_BYTE, POOL_TRIANGLES, 1, sheet.mark),
+    SHEET(41, ROLE_STATE, KIND_BYTE, POOL_TRIANGLES, 1, sheet.cloth),
+    SHEET(42, ROLE_STATE, KIND_WORD, POOL_PARTICLES, 1, sheet.u),
+    SHEET(43, ROLE_STATE, KIND_WORD, POOL_PARTICLES, 1, sheet.v),
+    SHEET(44, ROLE_STATE, KIND_ID, POOL_PARTICLES, 1, sheet.fan),
+    SHEET(45, ROLE_CONSTANT, KIND_WORD, POOL_PARAMS, LIMIT_CLOTHS * FABRIC_WORDS, fabrics),
+    SHEET(46, ROLE_CONSTANT, KIND_WORD, POOL_PARAMS, CLOTH_PARAM_WORDS, cloths),
+    SHEET(47, ROLE_STATE, KIND_WORD, POOL_TRIANGLES, HABIT_WORDS, habits),
+    SHEET(48, ROLE_CONSTANT, KIND_WORD, POOL_PARAMS, LIMIT_CLOTHS * TOUGHNESS_WORDS, toughnesses),
+    SHEET_TICK(POOL_PARTICLES, uint32_t, sheet.mass),
+    SHEET_TICK(POOL_TRIANGLES, sheet_weights, sheet.weights),
+    SHEET_TICK(POOL_PARTICLES, int32_t, inverse),
+    SHEET_TICK(POOL_TRIANGLES, pull_row, pull),
+    SHEET_TICK(POOL_TRIANGLES, tensor, stress),
+    SHEET_TICK(POOL_PARTICLES, int32_t, sum_x),
+    SHEET_TICK(POOL_PARTICLES, int32_t, sum_y),
+    SHEET_TICK(POOL_PARTICLES, int32_t, sum_z),
+    SHEET_TICK(POOL_PARTICLES, int32_t, given_x),
+    SHEET_TICK(POOL_PARTICLES, int32_t, given_y),
+    SHEET_TICK(POOL_PARTICLES, int32_t, given_z),
+    SHEET_TICK(POOL_PARTICLES, int32_t, low_x),
+    SHEET_TICK(POOL_PARTICLES, int32_t, low_y),
+    SHEET_TICK(POOL_PARTICLES, int32_t, low_z),
     TICK(POOL_PARTICLES, int32_t, qx),
     TICK(POOL_PARTICLES, int32_t, qy),
     TICK(POOL_PARTICLES, int32_t, qz),
@@ -66,7 +96,7 @@ const uint32_t image_array_count = sizeof image_arrays / sizeof image_arrays[0];
 static const uint32_t capacity_max[POOLS] = {
     1,          1,             LIMIT_PARTICLES, LIMIT_PARTICLES, LIMIT_PARTICLES, LIMIT_ROWS,
     LIMIT_BATCHES, LIMIT_CLASSES, LIMIT_CLASSES, LIMIT_BODIES,   LIMIT_KEYS,      LIMIT_CONTACTS,
-    LIMIT_CUTS, LIMIT_SPLITS,  LIMIT_CLASSES};
+    LIMIT_CUTS, LIMIT_SPLITS,  LIMIT_CLASSES,   FRAY_TRIANGLES ? LIMIT_TRIANGLES : 0};
 
 fray_status image_refuse(fray_error *error, fray_status status, uint32_t section, uint32_t index,
                          const char *what) {
@@ -80,7 +110,8 @@ fray_status image_refuse(fray_error *error, fray_status status, uint32_t section
 }
 
 static int short_ids(const uint32_t capacity[POOLS]) {
-  return capacity[POOL_ROWS] <= 65535u && capacity[POOL_PARTICLES] <= 65535u;
+  return capacity[POOL_ROWS] <= 65535u && capacity[POOL_PARTICLES] <= 65535u &&
+         capacity[POOL_TRIANGLES] <= 65535u;
 }
 /* Bytes of one element in the image and in memory. */
 static uint32_t stored_bytes(const image_array *a, int ids_are_short) {
@@ -101,12 +132,18 @@ static int is_saved(const image_array *a, const uint32_t capacity[POOLS]) {
 }
 /* The least version that has all that is in the image. */
 static uint32_t version_of(const uint32_t capacity[POOLS]) {
-  const uint32_t minor = capacity[POOL_STRETCH] != 0 ? 2u : (capacity[POOL_SPLITS] != 0 ? 1u : 0u);
+  const uint32_t minor = capacity[POOL_TRIANGLES] != 0 ? 3u
+                         : capacity[POOL_STRETCH] != 0 ? 2u
+                         : capacity[POOL_SPLITS] != 0  ? 1u
+                                                       : 0u;
   return FRAY_IMAGE_MAJOR << 16 | minor;
+}
+static uint32_t features_of(const uint32_t capacity[POOLS]) {
+  return short_ids(capacity) ? (uint32_t)IMAGE_SHORT_IDS : 0u;
 }
 static uint32_t elements(const image_array *a, const uint32_t capacity[POOLS]) {
   if (is_left_out(a, capacity)) return 0;
-  return capacity[a->pool] * (a->kind == KIND_WORD ? a->words : 1u);
+  return capacity[a->pool] * (a->kind == KIND_STRUCT ? 1u : a->words);
 }
 /* 1 iff this machine reads the words of an image as they stand. */
 static int readable_in_place(const uint8_t *image) {
@@ -160,7 +197,10 @@ static fray_status read_header(const uint8_t *image, size_t bytes, uint32_t capa
   if (bytes_load32(image) != IMAGE_MAGIC)
     return image_refuse(error, FRAY_BAD_MAGIC, 0, 0, "the bytes FRAY");
   if (version >> 16 != FRAY_IMAGE_MAJOR || (version & 0xFFFFu) > FRAY_IMAGE_MINOR)
-    return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD, "image version 2.0 to 2.2");
+    return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD, "image version 2.0 to 2.3");
+  if (!FRAY_TRIANGLES && (version & 0xFFFFu) == FRAY_IMAGE_MINOR)
+    return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD,
+                        "a build with triangle sheets (FRAY_TRIANGLES)");
   for (uint32_t p = 0; p < POOLS; ++p) {
     capacity[p] = bytes_load32(image + 4u * (IMAGE_CAPACITY_WORD + p));
     if (capacity[p] > capacity_max[p] || (p <= POOL_STATE && capacity[p] != 1u))
@@ -169,13 +209,13 @@ static fray_status read_header(const uint8_t *image, size_t bytes, uint32_t capa
   }
   if (version != version_of(capacity))
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD,
-                        "2.2 for yarns with a stiffness, 2.1 for yarns, 2.0 for others");
+                        "2.3 for triangle sheets, 2.2 for yarns with a stiffness, 2.1 for yarns, 2.0 "
+                        "for others");
   for (uint32_t n = IMAGE_CAPACITY_WORD + POOLS; n < IMAGE_HEADER_WORDS; ++n)
     if (bytes_load32(image + 4u * n) != 0)
       return image_refuse(error, FRAY_BAD_FIELD, 0, n, "a reserved word of zero");
   const uint32_t features = bytes_load32(image + 4 * IMAGE_FEATURES_WORD);
-  const uint32_t expected = short_ids(capacity) ? (uint32_t)IMAGE_SHORT_IDS : 0u;
-  if (features != expected || (sizeof(row_id) == 2u && expected == 0))
+  if (features != features_of(capacity) || (sizeof(row_id) == 2u && !short_ids(capacity)))
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_FEATURES_WORD,
                         "features that this build has, short ids where they fit");
   return FRAY_OK;
@@ -287,7 +327,8 @@ fray_status fray_open(const void *image, size_t image_bytes, void *memory, size_
   fray_world *w = plan_carve(capacity, readable, memory, memory_bytes);
   load_sections(w, bytes, readable);
   w->particles = (uint32_t)w->params->particles +
-                 (world_has_yarns(w) ? (uint32_t)w->yarn_state->split : 0u);
+                 (world_has_yarns(w) ? (uint32_t)w->yarn_state->split : 0u) +
+                 (world_has_sheet(w) ? (uint32_t)w->sheet.state->born : 0u);
   status = image_validate(w, error);
   if (status == FRAY_OK) *world = w;
   return status;
@@ -335,7 +376,7 @@ size_t fray_save(const fray_world *world, void *buffer, size_t buffer_bytes) {
   bytes_store32(image, IMAGE_MAGIC);
   bytes_store32(image + 4 * IMAGE_VERSION_WORD, version_of(world->capacity));
   bytes_store32(image + 4 * IMAGE_BYTES_WORD, length);
-  bytes_store32(image + 4 * IMAGE_FEATURES_WORD, ids_are_short ? (uint32_t)IMAGE_SHORT_IDS : 0u);
+  bytes_store32(image + 4 * IMAGE_FEATURES_WORD, features_of(world->capacity));
   bytes_store32(image + 4 * IMAGE_SECTIONS_WORD, entry);
   for (uint32_t p = 0; p < POOLS; ++p)
     bytes_store32(image + 4u * (IMAGE_CAPACITY_WORD + p), world->capacity[p]);
@@ -351,7 +392,7 @@ int fray_view_pool(const fray_world *world, uint32_t index, fray_pool *pool) {
   const uint8_t *first = (const uint8_t *)world;
   pool->name = a->name;
   pool->count = is_left_out(a, world->capacity) ? 0 : world->capacity[a->pool];
-  pool->element_bytes = memory_bytes_of(a) * (a->kind == KIND_WORD ? a->words : 1u);
+  pool->element_bytes = memory_bytes_of(a) * (a->kind == KIND_STRUCT ? 1u : a->words);
   pool->constant = a->role == ROLE_CONSTANT;
   pool->in_place = place != NULL && (place < first || place >= first + plan_bytes(world->capacity, 0));
   return 1;

@@ -7,8 +7,9 @@
  *
  * The CRC-32 covers everything behind its own word. It finds damage, not intent: an image from
  * an untrusted hand is safe to load (every field is checked) but not thereby authentic.
- * One major version is read; another one is refused, and converted by tools. What only yarns need
- * stands in sections of its own: an image without them is one of version 2.0. */
+ * One major version is read; another one is refused, and converted by tools. What only yarns, yarns
+ * with a stiffness or triangles need stands in sections of its own: an image without any of them is
+ * one of version 2.0, then 2.1, 2.2, 2.3. */
 #ifndef FRAY_MODEL_IMAGE_H
 #define FRAY_MODEL_IMAGE_H
 
@@ -29,7 +30,7 @@ enum {
   IMAGE_ALIGN = 16,
   IMAGE_CRC_FROM = 4 * (IMAGE_CRC_WORD + 1)
 };
-/* Features: ids are 16 bits wide (no row or particle number needs more). */
+/* Features: ids are 16 bits wide (no row, particle or triangle number needs more). */
 enum { IMAGE_SHORT_IDS = 1 };
 _Static_assert(IMAGE_CAPACITY_WORD + POOLS <= IMAGE_HEADER_WORDS, "capacities fit the header");
 
@@ -43,7 +44,7 @@ typedef struct {
   uint8_t role, kind;
   uint8_t pool;         /* its capacity */
   uint8_t only;         /* a pool: left out where that is empty; 0: never */
-  uint16_t words;       /* words per element for KIND_WORD; bytes for KIND_STRUCT; else 1 */
+  uint16_t words;       /* words or ids per element; bytes for KIND_STRUCT */
   size_t pointer;       /* offset of the pointer in the world */
 } image_array;
 
@@ -64,6 +65,9 @@ fray_status image_refuse(fray_error *error, fray_status status, uint32_t section
                          const char *what);
 
 /* Checks every value of a freshly loaded world; see model/validate.c. */
-fray_status image_validate(const fray_world *w, fray_error *error);
+fray_status image_validate(fray_world *w, fray_error *error);
+/* What triangle sheets have beside it: triangles and vertices that are one mesh, every fan whole, every
+ * triangle stout, gains in their ranges; and derives what follows. 1, or 0 with the error filled. */
+int sheet_valid(fray_world *w, fray_error *error);
 
 #endif

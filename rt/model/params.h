@@ -30,16 +30,16 @@ enum {
   X(rate_hz,            1,          10000)     /* ticks a second */ \
   X(substeps,           1,          LIMIT_SUBSTEPS) \
   X(sweeps,             1,          LIMIT_SWEEPS) \
-  X(warps,              2,          4096) \
-  X(wefts,              2,          4096) \
+  X(warps,              0,          4096)      /* 0 of triangle sheets, else 2 */ \
+  X(wefts,              0,          4096) \
   X(lu_um,              1,          1000000) \
   X(particle_mass_ng,   1,          WORD_MAX) \
   X(held,               0,          LIMIT_PARTICLES) \
   X(particles,          4,          LIMIT_PARTICLES) /* in use */ \
-  X(links,              1,          LIMIT_ROWS)      /* structural rows come first */ \
+  X(links,              0,          LIMIT_ROWS)      /* structural rows come first */ \
   X(bends,              0,          LIMIT_ROWS)      /* then bend rows */ \
   X(shears,             0,          LIMIT_ROWS)      /* then shear rows */ \
-  X(link_batches,       1,          LIMIT_BATCHES) \
+  X(link_batches,       0,          LIMIT_BATCHES) \
   X(bend_batches,       0,          LIMIT_BATCHES) \
   X(shear_batches,      0,          LIMIT_BATCHES) \
   X(bodies,             0,          LIMIT_BODIES) \
@@ -92,7 +92,7 @@ typedef struct {
   X(hash_low,           WORD_MIN,   WORD_MAX)  /* what the last tick reported; not hashed */ \
   X(hash_high,          WORD_MIN,   WORD_MAX) \
   X(cuts_total,         0,          LIMIT_ROWS) \
-  X(faults,             0,          255) \
+  X(faults,             0,          4095) \
   X(mode,               FRAY_READY, FRAY_SAFE) \
   X(starting,           0,          1)         /* START taken, hands not armed yet */ \
   X(muted,              0,          1)         /* ZERO: forces stay at zero */ \

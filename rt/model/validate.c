@@ -64,6 +64,15 @@ static int words_in_range(const void *table, const word_range *ranges, uint32_t 
   return 1;
 }
 
+/* A triangle sheet has no crossings, rows or yarns. */
+static int sheet_counts_fit(const fray_world *w) {
+  const params *p = w->params;
+  const uint32_t *have = w->capacity;
+  return have[POOL_CROSSINGS] == 0 && have[POOL_ROWS] == 0 && have[POOL_BATCHES] == 0 &&
+         have[POOL_SPLITS] == 0 && p->warps == 0 && p->wefts == 0 && p->links == 0 && p->bends == 0 &&
+         p->shears == 0 && p->link_batches == 0 && p->bend_batches == 0 && p->shear_batches == 0;
+}
+
 static int counts_fit(const fray_world *w, fray_error *error) {
   const params *p = w->params;
   const weave grid = world_weave(w);
@@ -71,16 +80,17 @@ static int counts_fit(const fray_world *w, fray_error *error) {
   const uint32_t *have = w->capacity;
   /* every diagonal of a world with yarns has a shadow row, in batches of their own */
   const uint32_t twice = world_has_yarns(w) ? 2 : 1;
-  const int fit =
-      crossings == have[POOL_CROSSINGS] && (uint32_t)p->particles >= crossings &&
-      (uint32_t)p->particles <= have[POOL_PARTICLES] && w->particles <= have[POOL_PARTICLES] &&
-      (uint32_t)p->held == have[POOL_HELD] &&
-      p->held <= p->particles && (uint32_t)p->links == weave_links(grid) &&
+  const int woven =
+      p->warps >= 2 && p->wefts >= 2 && crossings == have[POOL_CROSSINGS] &&
+      (uint32_t)p->particles >= crossings && (uint32_t)p->links == weave_links(grid) &&
       (uint32_t)p->bends == weave_bends(grid) && (uint32_t)p->shears == weave_shears(grid) &&
       (uint32_t)p->links + (uint32_t)p->bends + twice * (uint32_t)p->shears == have[POOL_ROWS] &&
       (uint32_t)p->link_batches + (uint32_t)p->bend_batches + twice * (uint32_t)p->shear_batches ==
-          have[POOL_BATCHES] &&
-      (uint32_t)p->bodies == have[POOL_BODIES] && (uint32_t)p->cuts_max == have[POOL_CUTS] &&
+          have[POOL_BATCHES];
+  const int fit =
+      (world_has_sheet(w) ? sheet_counts_fit(w) : woven) &&
+      (uint32_t)p->particles <= have[POOL_PARTICLES] && (uint32_t)p->held == have[POOL_HELD] &&
+      p->held <= p->particles && (uint32_t)p->bodies == have[POOL_BODIES] && (uint32_t)p->cuts_max == have[POOL_CUTS] &&
       have[POOL_LINK_CLASSES] >= 1 && have[POOL_SPRING_CLASSES] >= 1;
   if (!fit) return bad(error, IN_PARAMS, 0, "counts that agree with the header's capacities");
   if (p->tear_max < p->tear_min) return bad(error, IN_PARAMS, 0, "tear_max at least tear_min");
@@ -435,12 +445,13 @@ static int hash_good(const fray_world *w, fray_error *error) {
   return 1;
 }
 
-fray_status image_validate(const fray_world *w, fray_error *error) {
+fray_status image_validate(fray_world *w, fray_error *error) {
   fray_error found = {FRAY_BAD_FIELD, 0, 0, ""};
   const int good =
       words_in_range(w->params, params_ranges, PARAM_WORDS, IN_PARAMS, &found) &&
       words_in_range(w->state, state_ranges, STATE_WORDS, IN_STATE, &found) &&
       counts_fit(w, &found) && (!world_has_yarns(w) || yarns_good(w, &found)) &&
+      (!world_has_sheet(w) || sheet_valid(w, &found)) &&
       link_classes_good(w, &found) && (!world_has_stretch(w) || stretch_good(w, &found)) &&
       spring_classes_good(w, &found) && bodies_good(w, &found) &&
       particles_good(w, &found) && crossings_good(w, &found) &&

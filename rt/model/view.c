@@ -2,6 +2,7 @@
 /* Read-only views for the caller. */
 #include "rt/base/bytes.h"
 #include "rt/model/couples.h"
+#include "rt/model/element.h"
 
 uint64_t fray_hash(const fray_world *w) {
   return (uint64_t)(uint32_t)w->state->hash[1] << 32 | (uint32_t)w->state->hash[0];
@@ -39,6 +40,18 @@ fray_work fray_limits(const fray_world *w) {
                                                << (uint32_t)w->stretch->steps_bits;
   if (world_has_stretch(w) && w->stretch->damping_ns != 0) most.stretches *= 2u;
   most.transitions = most.tear_tests != 0 && world_has_yarns(w) ? most.tear_tests + spares : 0;
+  const uint32_t triangles = world_has_sheet(w) ? w->capacity[POOL_TRIANGLES] : 0;
+  const uint32_t inner = triangles != 0 ? (uint32_t)w->cloths->inner : 1u;
+  const uint32_t every = triangles != 0 ? (uint32_t)w->cloths->bend_every : 0u;
+  most.pulls = triangles * inner * substeps;
+  most.lines = p->tearing != 0 ? 6u * triangles : 0; /* three corners, a side and the middle at each */
+  most.folds = every != 0 ? 3u * triangles / 2u * ((inner + every - 1u) / every) * substeps : 0;
+  if (triangles != 0)
+    most.predictions = (w->capacity[POOL_PARTICLES] - (uint32_t)p->held) * inner * substeps;
+  if (triangles != 0 && p->tearing != 0) {
+    most.tear_tests = triangles;
+    most.cuts = (uint32_t)w->sheet.params->cloths;
+  }
   most.splits = p->tearing != 0 ? w->capacity[POOL_SPLITS] : 0;
   return most;
 }
@@ -80,6 +93,12 @@ fray_facts fray_describe(const fray_world *w) {
     f.stretch_steps = 1u << (uint32_t)w->stretch->steps_bits;
     f.stretch_damping_ns = (uint32_t)w->stretch->damping_ns;
     f.stretch_limit_q16 = w->stretch->limit;
+  }
+  if (world_has_sheet(w)) {
+    f.triangles = (uint32_t)w->sheet.state->triangles;
+    f.triangles_max = w->capacity[POOL_TRIANGLES];
+    f.inner_steps = (uint32_t)w->cloths->inner;
+    f.stiffness_q30 = w->fabrics[0].scale;
   }
   f.hands = (uint32_t)p->hands;
   for (uint32_t h = 0; h < FRAY_HANDS; ++h) f.consumed[h] = (uint8_t)w->state->hand[h].consumed;
@@ -153,3 +172,26 @@ uint32_t fray_particle_of(const fray_world *w, uint32_t crossing, fray_axis axis
 }
 
 uint32_t fray_holder(const fray_world *w, uint32_t particle) { return w->grip_body[particle]; }
+
+fray_triangle fray_view_triangle(const fray_world *w, uint32_t t) {
+  const sheet_mesh *s = &w->sheet;
+  const element_axes e = element_axes_of(w, t);
+  int32_t c[FABRIC_ENTRIES];
+  fabric_stiffness(&w->fabrics[s->cloth[t]], w->habits[t].mean[HABIT_POLES - 1], c);
+  const tensor stress = fabric_stress(c, fabric_strain(e.u, e.v));
+  fray_triangle v;
+  bytes_zero(&v, sizeof v);
+  for (uint32_t k = 0; k < 3; ++k) {
+    const uint32_t p = s->triangle[t].v[k];
+    v.vertex[k] = p;
+    v.u[k] = s->u[p];
+    v.v[k] = s->v[p];
+    v.border[k] = sheet_across(s, t, k) == SHEET_NONE;
+    v.side[k] = (uint8_t)sheet_mark_of(s, t, k);
+  }
+  v.stress[0] = stress.uu;
+  v.stress[1] = stress.vv;
+  v.stress[2] = stress.uv;
+  v.cloth = s->cloth[t];
+  return v;
+}

@@ -18,6 +18,7 @@ void world_toggle(fray_world *w, uint32_t field, uint32_t id, uint32_t value) {
 
 uint64_t world_topology(const fray_world *w) {
   uint64_t total = 0;
+  if (world_has_sheet(w)) return sheet_topology(w);
   for (uint32_t row = 0; row < w->capacity[POOL_ROWS]; ++row)
     if (w->row_class[row] == ROW_DEAD)
       total ^= hash_entry(TOPOLOGY_ROW, w->home[row], ROW_DEAD);
@@ -57,11 +58,19 @@ void world_hash_axes(const fray_world *w, world_hashed which, hash axes[3], uint
   }
 }
 
+static void hash_sheet(hash *h, const fray_world *w) {
+  hash_words(h, (const int32_t *)(const void *)w->sheet.state, SHEET_STATE_WORDS);
+  hash_words(h, (const int32_t *)(const void *)w->habits,
+             (uint32_t)w->sheet.state->triangles * HABIT_WORDS);
+}
+
 void world_hash_begin(const fray_world *w, hash *h) {
   hash_begin(h);
   hash_state(h, w->state);
   if (world_has_yarns(w))
     hash_words(h, (const int32_t *)(const void *)w->yarn_state, YARN_STATE_WORDS);
+  if (world_has_sheet(w))
+    hash_sheet(h, w);
   hash_words(h, (const int32_t *)(const void *)w->body_states,
              w->capacity[POOL_BODIES] * BODY_STATE_WORDS);
 }

@@ -8,9 +8,11 @@
 #include "rt/base/hash.h"
 #include "rt/base/vec.h"
 #include "rt/model/bodies.h"
+#include "rt/model/cloths.h"
 #include "rt/model/contacts.h"
 #include "rt/model/params.h"
 #include "rt/model/rows.h"
+#include "rt/model/sheet.h"
 #include "rt/model/stretch.h"
 #include "rt/model/weave.h"
 
@@ -31,8 +33,14 @@ typedef enum {
   POOL_CUTS,
   POOL_SPLITS, /* a tick; not 0 iff the world has yarns */
   POOL_STRETCH, /* as many as classes of links iff its yarns have a stiffness, else 0 */
+  POOL_TRIANGLES, /* not 0 iff the world is a triangle sheet and has no crossings */
   POOLS
 } pool_name;
+
+/* c of a triangle in this tick, times its area: strain Q28 to impulse, see stage/pull.c. */
+typedef struct {
+  int32_t c[FABRIC_ENTRIES];
+} pull_row;
 
 /* A spring over its threshold, waiting to be cut. */
 typedef struct {
@@ -87,10 +95,21 @@ struct fray_world {
   uint8_t *couple;           /* crossing -> fray_couple, COUPLE_WANTED */
   row_id *warp_at;           /* crossing -> particle of its warp; crossing[] has that of its weft */
   row_id *place;             /* particle -> crossing */
+  sheet_mesh sheet;          /* of worlds with triangles; constants and state */
+  habit *habits;             /* of a triangle */
+  const fabric *fabrics;     /* of them, by cloth */
+  const toughness *toughnesses;
+  const cloth_params *cloths;
 
   /* of one tick */
   int32_t *qx, *qy, *qz;     /* predicted, Q24 lu */
   body_motion *motion;
+  int32_t *inverse;          /* of a vertex: 1 / mass, Q24 of 1 / particle mass */
+  pull_row *pull;            /* of a triangle */
+  tensor *stress;            /* of a triangle, Q12 N/m: where it was at the beginning of the tick */
+  int32_t *sum_x, *sum_y, *sum_z;       /* of a vertex: impulse in an inner step, Q26 */
+  int32_t *given_x, *given_y, *given_z; /* that of loads */
+  int32_t *low_x, *low_y, *low_z;       /* of a vertex in inner steps: what it has below Q28, Q59 */
   contact *contacts;
   uint32_t contact_count;
   cut *cuts;
@@ -129,13 +148,28 @@ static inline uint32_t world_run_of_batches(const fray_world *w, uint32_t *b, ui
 static inline int world_has_stretch(const fray_world *w) { return w->capacity[POOL_STRETCH] != 0; }
 static inline int world_has_yarns(const fray_world *w) { return w->capacity[POOL_SPLITS] != 0; }
 
+/* 0: a build that opens no triangle sheets, and has no code for them. */
+#ifndef FRAY_TRIANGLES
+#define FRAY_TRIANGLES 1
+#endif
+static inline int world_has_sheet(const fray_world *w) {
+  return FRAY_TRIANGLES && w->capacity[POOL_TRIANGLES] != 0;
+}
+
 /* Enters or takes an entry out of the topology's hash. */
 void world_toggle(fray_world *w, uint32_t field, uint32_t id, uint32_t value);
-enum { TOPOLOGY_ROW = 1, TOPOLOGY_COUPLE = 2, TOPOLOGY_WARP = 3 };
+enum {
+  TOPOLOGY_ROW = 1,
+  TOPOLOGY_COUPLE = 2,
+  TOPOLOGY_WARP = 3,
+  TOPOLOGY_TRIANGLE = 4,
+  TOPOLOGY_VERTEX = 5
+};
 
 /* Marks a row as dead and enters it into the topology's hash. */
 void world_kill_row(fray_world *w, uint32_t row);
-/* XOR over all dead rows and all couples, recomputed: what state.topology must say. */
+/* XOR over all dead rows and all couples, or all triangles and vertices, recomputed: what
+ * state.topology must say. */
 uint64_t world_topology(const fray_world *w);
 /* The state's hash; cost: 9 words a particle. */
 uint64_t world_hash(const fray_world *w);

@@ -15,11 +15,16 @@ void fray_tick(fray_world *w, const fray_input *input, fray_output *output) {
   STEP_STAGE(DEVICES, devices_run(w, input));
   STEP_STAGE(DAMP, damp_run(w));       /* 3 */
   STEP_STAGE(SPRINGS, springs_run(w)); /* 1, 2: bend, shear; structural ones are projected */
+  STEP_STAGE(STRESS, stress_run(w));
+  STEP_STAGE(RIP, rip_run(w));
+  STEP_STAGE(WEIGH, weigh_run(w));
+  STEP_STAGE(BLOW, blow_run(w));
   STEP_STAGE(GATHER, collide_gather(w));
   for (uint32_t substep = 0; substep < substeps; ++substep) {
     STEP_STAGE(PREDICT, predict_run(w, substep)); /* 1, 2, 4: gravity, positions */
     STEP_STAGE(STRAIN, strain_run(w));            /* 5 */
-    STEP_STAGE(SLIP, slip_run(w, substep));                /* 5 */
+    STEP_STAGE(LIMIT, limit_run(w));
+    STEP_STAGE(SLIP, slip_run(w, substep));       /* 5 */
     STEP_STAGE(COLLIDE, collide_run(w));          /* 6 */
     if (substep + 1u == substeps) {
       STEP_STAGE(TRANSITION, transition_run(w)); /* 7 */

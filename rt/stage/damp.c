@@ -117,6 +117,7 @@ void damp_part(fray_world *w, uint32_t first, uint32_t end) {
 }
 
 void damp_run(fray_world *w) {
+  if (world_has_sheet(w)) return; /* stage/pull.c */
   damp_whole(w);
   damp_part(w, (uint32_t)w->params->held, w->particles);
 }

@@ -11,11 +11,17 @@ void devices_run(fray_world *w, const fray_input *input); /* hands, states, wher
 void damp_run(fray_world *w);                             /* velocities lose their share */
 void springs_run(fray_world *w);                          /* bend and shear */
 void collide_gather(fray_world *w);                       /* who may touch what in this tick */
+void stress_run(fray_world *w);                           /* of triangles */
+void rip_run(fray_world *w);                              /* triangle sheets tear */
+void weigh_run(fray_world *w);                            /* what stress makes of their vertices */
+void blow_run(fray_world *w);                             /* loads and wind on them */
 
 /* Each substep. */
 void predict_run(fray_world *w, uint32_t substep);
 void stretch_run(fray_world *w); /* in the place of its particles, where yarns have a stiffness */
+void pull_run(fray_world *w, uint32_t substep); /* of triangle sheets: predict, with stress and drag */
 void strain_run(fray_world *w);
+void limit_run(fray_world *w); /* sides of triangles that are far too long */
 void slip_run(fray_world *w, uint32_t substep); /* loose couples keep the cloth's thickness apart */
 void collide_run(fray_world *w);
 void finish_run(fray_world *w);
@@ -37,6 +43,7 @@ void predict_held(fray_world *w);
 void predict_part(fray_world *w, uint32_t first, uint32_t end);    /* particles */
 void strain_part(fray_world *w, uint32_t b, uint32_t batches);     /* one sweep of batches [b, batches) */
 void collide_part(fray_world *w, uint32_t first, uint32_t end);    /* contacts */
+void fold_sides(fray_world *w); /* bending, into the sums of an inner step */
 void finish_part(fray_world *w, uint32_t first, uint32_t end);     /* particles, then their contacts */
 void finish_contacts(fray_world *w, uint32_t first, uint32_t end); /* contacts */
 void tear_part(fray_world *w, uint32_t first, uint32_t end);       /* rows */

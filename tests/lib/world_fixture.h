@@ -151,7 +151,8 @@ FIXTURE int fixture_within(const fray_work *k, const fray_work *most) {
          k->gathers <= most->gathers && k->tear_tests <= most->tear_tests &&
          k->over <= most->over && k->cuts <= most->cuts && k->slips <= most->slips &&
          k->stretches <= most->stretches &&
-         k->transitions <= most->transitions && k->splits <= most->splits;
+         k->transitions <= most->transitions && k->splits <= most->splits &&
+         k->lines <= most->lines && k->pulls <= most->pulls && k->folds <= most->folds;
 }
 
 FIXTURE fray_output fixture_tick(fixture *f, const fray_input *input) {

@@ -20,7 +20,7 @@ static uint64_t memory_room[MEMORY_ROOM / 8];
 #define MEMORY_AT(bytes) ((uint8_t *)memory_room + MEMORY_ROOM - (bytes))
 
 /* Stands for image_validate(): any verdict. */
-fray_status image_validate(const fray_world *w, fray_error *error) {
+fray_status image_validate(fray_world *w, fray_error *error) {
   if (any_word() == 0) return FRAY_OK;
   return image_refuse(error, FRAY_BAD_FIELD, w->capacity[POOL_PARAMS], 0, "any");
 }

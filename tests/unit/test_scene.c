@@ -251,11 +251,12 @@ static void names_what_is_wrong(void) {
   check_fails(START "gravity 1e18 0 0 m/s2\n", 3, 9,
               "found '1e18', expected -100000 to 100000 cm/s2 for 'gravity'");
   check_fails(START "limits { contact 3 }\n", 3, 10,
-              "found 'contact', expected a key of limits: spare_particles, contacts, "
+              "found 'contact', expected a key of limits: spare_particles, spare_triangles, contacts, "
               "cuts_per_tick, splits_per_tick");
   check_fails(START "speed 3\n", 3, 1,
               "found 'speed', expected a key of the scene: scene, rate, substeps, sweeps, "
-              "gravity, seed, settle, rest_strain, sheet, ball, box, bar, plane, pin, slit, limits, hands");
+              "gravity, seed, settle, rest_strain, wind, sheet, triangles, material, load, ball, box, "
+              "bar, plane, pin, slit, limits, hands");
   check_fails(START "}\n", 3, 1, "found '}', expected no brace: no block is open");
   check_fails(START "seed 1\nseed 2\n", 4, 1,
               "found 'seed' again in the scene, expected it once; see line 3");
@@ -263,7 +264,7 @@ static void names_what_is_wrong(void) {
 }
 
 static void checks_the_sheet(void) {
-  check_fails("scene s\n", 1, 1, "the scene has no 'sheet', expected one");
+  check_fails("scene s\n", 1, 1, "the scene has no 'sheet', expected one, or 'triangles'");
   check_fails(SHEET, 1, 1, "the scene has no 'scene', expected one");
   check_fails("", 1, 1, "the scene has no 'scene', expected one");
   check_fails("scene s\n\n sheet { warps 8 wefts 6 }\n", 3, 2,

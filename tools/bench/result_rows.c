@@ -17,11 +17,11 @@ static int short_name(const char *name, const char **from) {
 static void tick_row(FILE *out, const bench_result *r, const profile *p) {
   const double *ns = p->stage_ns;
   const double shares[6] = {
-      ns[TIMED_STRAIN],
+      ns[TIMED_STRAIN] + ns[TIMED_STRESS] + ns[TIMED_WEIGH] + ns[TIMED_LIMIT],
       ns[TIMED_SPRINGS],
-      ns[TIMED_PREDICT] + ns[TIMED_FINISH],
+      ns[TIMED_PREDICT] + ns[TIMED_BLOW] + ns[TIMED_FINISH],
       ns[TIMED_GATHER] + ns[TIMED_COLLIDE],
-      ns[TIMED_TEAR] + ns[TIMED_CUT],
+      ns[TIMED_TEAR] + ns[TIMED_CUT] + ns[TIMED_RIP],
       ns[TIMED_DEVICES] + ns[TIMED_DAMP] + ns[TIMED_FORCE] + ns[TIMED_REPORT]};
   const char *name;
   const int letters = short_name(r->name, &name);

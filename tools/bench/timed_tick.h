@@ -6,7 +6,8 @@
 #include "rt/fray.h"
 
 #define TIMED_STAGES(X) \
-  X(DEVICES, "devices") X(DAMP, "damp") X(SPRINGS, "springs") X(GATHER, "gather") \
+  X(DEVICES, "devices") X(DAMP, "damp") X(SPRINGS, "springs") X(GATHER, "gather") X(STRESS, "stress") \
+  X(RIP, "rip") X(WEIGH, "weigh") X(BLOW, "blow") X(LIMIT, "limit") \
   X(PREDICT, "predict") X(STRAIN, "strain") X(SLIP, "slip") X(COLLIDE, "collide") \
   X(TRANSITION, "transition") X(SPLIT, "split") X(TEAR, "tear") \
   X(CUT, "cut") X(FINISH, "finish") X(FORCE, "force") X(REPORT, "report and hash")

@@ -16,7 +16,7 @@ static void list_keys(const block_rule *rule, char *text, size_t capacity) {
 static int belongs_outside(const token *t) {
   static const char *const words[] = {"scene", "rate", "substeps", "sweeps", "gravity", "seed",
                                       "settle", "rest_strain", "sheet", "ball", "box", "bar", "plane",
-                                      "pin", "limits", "hands"};
+                                      "pin", "limits", "hands", "triangles", "wind", "load"};
   for (size_t k = 0; k < sizeof words / sizeof words[0]; k++) {
     if (lexer_is(t, words[k])) return 1;
   }
@@ -99,7 +99,7 @@ parser_place block_place(const block_rule *rule, const block_seen *seen, const c
 static void *field(const block_key *key, void *target) { return (char *)target + key->offset; }
 
 int block_exacts(parser *p, const block_key *key, void *target) {
-  exact results[3];
+  exact results[VALUES_MAX];
   if (!value_read_exacts(p, &key->range, key->count, results)) return 0;
   memcpy(field(key, target), results, sizeof results[0] * (size_t)key->count);
   return 1;

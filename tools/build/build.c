@@ -69,10 +69,8 @@ static void plan_capacity(const draft *d, uint32_t capacity[POOLS]) {
   capacity[POOL_CUTS] = s->limits.cuts_per_tick;
   capacity[POOL_SPLITS] = s->sheet.yarns != 0 ? s->limits.splits_per_tick : 0;
   capacity[POOL_STRETCH] = scene_has_stretch(s) ? capacity[POOL_LINK_CLASSES] : 0;
+  capacity[POOL_TRIANGLES] = 0;
 }
-
-/* The builder owns these tables: the only place that writes what rt/ holds constant. */
-#define WRITABLE(type, field) ((type *)(uintptr_t)(field))
 
 static void fill_particles(const draft *d, fray_world *w) {
   for (uint32_t p = 0; p < d->crossings; ++p) {
@@ -128,7 +126,7 @@ static int fill_key(const draft *d, const scene_body *b, const scene_key *from, 
   return 1;
 }
 
-static int fill_bodies(const draft *d, fray_world *w) {
+int draft_fill_bodies(const draft *d, fray_world *w) {
   for (uint32_t n = 0; n < d->bodies; ++n) {
     WRITABLE(body, w->bodies)[n] = d->body[n];
     for (uint32_t a = 0; a < 3; ++a) w->body_states[n].position[a] = d->body[n].home[a];
@@ -178,6 +176,16 @@ static void begin_hash(fray_world *w) {
   w->state->hash[1] = (int32_t)(uint32_t)(now >> 32);
 }
 
+static int finish(const draft *d, fray_world *w) {
+  w->state->mode = FRAY_READY;
+  begin_hash(w);
+  fray_error refused;
+  if (image_validate(w, &refused) != FRAY_OK)
+    return draft_refuse(d, 0, "the compiled world is not valid: section %u, element %u: %s",
+                        refused.section, refused.index, refused.what);
+  return 1;
+}
+
 static int fill(draft *d, void **memory, fray_world **world) {
   uint32_t capacity[POOLS];
   if (!begin_draft(d) || !draft_scale(d) || !draft_bodies(d) || !draft_crossings(d) ||
@@ -190,7 +198,7 @@ static int fill(draft *d, void **memory, fray_world **world) {
   fray_world *w = NULL;
   image_blank(capacity, *memory, &w);
   *world = w;
-  if (!fill_bodies(d, w)) return 0;
+  if (!draft_fill_bodies(d, w)) return 0;
   fill_particles(d, w);
   fill_rows(d, w);
   if (!draft_params(d, WRITABLE(params, w->params)) ||
@@ -201,14 +209,7 @@ static int fill(draft *d, void **memory, fray_world **world) {
                      WRITABLE(link_class, w->limits), capacity[POOL_STRETCH]))
     return 0;
   w->particles = d->crossings;
-  if (!fill_yarns(d, w) || !draft_slits(d, w)) return 0;
-  w->state->mode = FRAY_READY;
-  begin_hash(w);
-  fray_error refused;
-  if (image_validate(w, &refused) != FRAY_OK)
-    return draft_refuse(d, 0, "the compiled world is not valid: section %u, element %u: %s",
-                        refused.section, refused.index, refused.what);
-  return 1;
+  return fill_yarns(d, w) && draft_slits(d, w);
 }
 
 int fill_world(const scene *s, const char *file, uint32_t substeps, uint32_t sweeps, void **memory,
@@ -221,7 +222,9 @@ int fill_world(const scene *s, const char *file, uint32_t substeps, uint32_t swe
   d->substeps = substeps;
   d->sweeps = sweeps;
   *memory = NULL;
-  const int filled = fill(d, memory, world);
+  const int filled =
+      (s->triangles.present ? draft_triangles(d, memory, world) : fill(d, memory, world)) &&
+      finish(d, *world);
   if (!filled) {
     free(*memory);
     *memory = NULL;
@@ -261,9 +264,9 @@ static int find_work(const scene *s, const char *file, build_report *report, set
   int64_t ticks;
   int64_t bound;
   int64_t tear_min;
-  report->substeps = s->substeps;
+  report->substeps = s->substeps == 0 && s->triangles.present ? TRIANGLE_SUBSTEPS : s->substeps;
   report->sweeps = s->sweeps;
-  report->searched = s->substeps == 0 || s->sweeps == 0;
+  report->searched = !s->triangles.present && (s->substeps == 0 || s->sweeps == 0);
   if (!exact_to_fixed(exact_mul(s->settle, exact_make(s->rate_hz, 1)), 0, &ticks) || ticks < 0 ||
       ticks > 100000 || !exact_to_fixed(s->rest_strain, 16, &bound) || bound < 1 ||
       !exact_to_fixed(s->sheet.tear_min, 16, &tear_min)) {

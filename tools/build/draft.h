@@ -33,7 +33,10 @@ typedef struct {
   int32_t spacing[2];        /* Q24 lu along wefts, along warps */
   exact particle_mass;       /* g */
 
-  vec3 *place;               /* crossing -> Q24 lu */
+  uint32_t inner;            /* of triangle sheets: steps of the stress in a substep */
+  exact stiffness;           /* of them: share of the measured one, at most 1 */
+
+  vec3 *place;               /* crossing, or vertex -> Q24 lu */
   uint8_t *holder;           /* crossing -> body, or DRAFT_FREE */
   uint32_t *level;           /* crossing -> steps from the nearest held crossing */
   uint8_t *source;           /* crossing -> body that holds the nearest held one */
@@ -50,6 +53,9 @@ typedef struct {
 } draft;
 
 enum { DRAFT_FREE = 255, DRAFT_SHADOWS = 3 };
+
+/* The builder owns a world's tables: it alone writes what rt/ holds constant. */
+#define WRITABLE(type, field) ((type *)(uintptr_t)(field))
 
 /* Each returns 1, or 0 with the error filled. */
 int draft_scale(draft *d);
@@ -71,6 +77,18 @@ uint32_t stretch_substeps_least(const scene *s);
 static inline int scene_has_stretch(const scene *s) {
   return exact_compare(s->sheet.stretch, exact_make(0, 1)) > 0;
 }
+/* The holders of d->crossings places, by bodies that grip them; then, where nobody does, by pins of
+ * columns and rows (NULL: by the grid); d->held counts them. */
+int draft_holders(draft *d, const uint32_t *column, const uint32_t *row);
+/* The world's bodies and their keys, written. */
+int draft_fill_bodies(const draft *d, fray_world *w);
+/* value * 2^shift in [least, most], or an error that names the key. */
+int draft_word(const draft *d, const char *key, exact value, unsigned shift, int64_t least, int64_t most,
+               int32_t *out);
+/* Of triangle sheets: what in a woven one are scale, crossings, order, rows and filling. */
+int draft_triangles(draft *d, void **memory, fray_world **world);
+/* Substeps of a scene of triangles that leaves them open. */
+enum { TRIANGLE_SUBSTEPS = 1 };
 
 /* Neighbours of a crossing: before and after it along its weft, along its warp; itself at the edge. */
 void draft_neighbours(const draft *d, uint32_t crossing, uint32_t near[4]);

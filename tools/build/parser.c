@@ -12,6 +12,7 @@ enum { TEXT_BYTES_MAX = 1 << 24 };
 
 static const block_key limits_keys[] = {
     {"spare_particles", block_count, AT(limits.spare_particles), {UNIT_NONE, "0", "262144"}, 1, 0},
+    {"spare_triangles", block_count, AT(limits.spare_triangles), {UNIT_NONE, "0", "1000000"}, 1, 0},
     {"contacts", block_count, AT(limits.contacts), {UNIT_NONE, "0", "1048576"}, 1, 0},
     {"cuts_per_tick", block_count, AT(limits.cuts_per_tick), {UNIT_NONE, "1", "64"}, 1, 0},
     {"splits_per_tick", block_count, AT(limits.splits_per_tick), {UNIT_NONE, "1", "4096"}, 1, 0},
@@ -36,6 +37,8 @@ static int read_limits(parser *p, const block_key *key, void *target) {
   if (!block_read(p, &limits_rule, "limits", opened, target, &seen)) return 0;
   out->limits.has_spare_particles =
       block_place(&limits_rule, &seen, "spare_particles").line != 0;
+  out->limits.has_spare_triangles =
+      block_place(&limits_rule, &seen, "spare_triangles").line != 0;
   out->limits.has_contacts = block_place(&limits_rule, &seen, "contacts").line != 0;
   return 1;
 }
@@ -62,7 +65,11 @@ static const block_key scene_keys[] = {
     {"seed", block_count, AT(seed), {UNIT_NONE, "0", "4294967295"}, 1, 0},
     {"settle", block_exacts, AT(settle), {UNIT_TIME, "0", "60"}, 1, 0},
     {"rest_strain", block_exacts, AT(rest_strain), {UNIT_SHARE, "0.1", "100"}, 1, 0},
-    {"sheet", sheet_block_read, 0, {UNIT_NONE, "0", "0"}, 0, KEY_NEEDED},
+    {"wind", block_exacts, AT(wind), {UNIT_SPEED, "-10000", "10000"}, 3, 0},
+    {"sheet", sheet_block_read, 0, {UNIT_NONE, "0", "0"}, 0, 0},
+    {"triangles", triangles_block_read, 0, {UNIT_NONE, "0", "0"}, 0, 0},
+    {"material", material_block_read, 0, {UNIT_NONE, "0", "0"}, 0, KEY_REPEATS},
+    {"load", load_read, 0, {UNIT_STIFFNESS, "-1000000000", "1000000000"}, 3, KEY_REPEATS},
     {"ball", body_block_read, 0, {UNIT_NONE, "0", "0"}, 0, KEY_REPEATS},
     {"box", body_block_read, 0, {UNIT_NONE, "0", "0"}, 0, KEY_REPEATS},
     {"bar", body_block_read, 0, {UNIT_NONE, "0", "0"}, 0, KEY_REPEATS},
@@ -101,6 +108,17 @@ static void set_sheet_defaults(scene *out) {
   out->sheet.stretch_damping = exact_make(-1, 1);
 }
 
+static void set_triangle_defaults(scene *out) {
+  const exact zero = exact_make(0, 1);
+  out->triangles.mesh_half_tangent = out->triangles.weft_half_tangent = zero;
+  out->triangles.mesh_seed = 1;
+  out->triangles.inner_steps = 64;
+  out->triangles.strain_limit = zero;
+  out->triangles.wind_normal = exact_make(1, 1);
+  out->triangles.wind_drag = exact_make(1, 10);
+  for (int k = 0; k < 3; k++) out->wind[k] = zero;
+}
+
 static void set_defaults(scene *out) {
   const exact zero = exact_make(0, 1);
   memset(out, 0, sizeof *out);
@@ -112,6 +130,7 @@ static void set_defaults(scene *out) {
   out->settle = zero;
   out->rest_strain = exact_make(1, 20);
   set_sheet_defaults(out);
+  set_triangle_defaults(out);
   out->limits.cuts_per_tick = 16;
   out->limits.splits_per_tick = 32;
   out->hands.force_limit = exact_make(8, 1);
@@ -139,6 +158,28 @@ static void set_transition(scene *out) {
   out->sheet.transition_max = exact_mul(out->sheet.tear_max, share);
 }
 
+/* A woven sheet or one of triangles; what only the latter has goes with it. */
+static int one_sheet(parser *p, const block_seen *seen) {
+  static const char *const of_triangles[] = {"wind", "material", "load"};
+  const parser_place triangles = block_place(&scene_rule, seen, "triangles");
+  const parser_place slit = block_place(&scene_rule, seen, "slit");
+  const parser_place first = {1, 1};
+  if (p->out->sheet.present && triangles.line != 0)
+    return parser_fail(p, triangles, "found 'triangles' beside a woven sheet, expected one of both; see "
+                       "line %d", p->out->sheet.line);
+  if (!p->out->sheet.present && triangles.line == 0)
+    return parser_fail(p, first, "the scene has no 'sheet', expected one, or 'triangles'");
+  if (triangles.line != 0 && slit.line != 0)
+    return parser_fail(p, slit, "found 'slit' with 'triangles', expected it with a woven sheet");
+  for (size_t k = 0; k < 3 && triangles.line == 0; k++) {
+    const parser_place place = block_place(&scene_rule, seen, of_triangles[k]);
+    if (place.line != 0)
+      return parser_fail(p, place, "found '%s' with a woven sheet, expected it with 'triangles'",
+                         of_triangles[k]);
+  }
+  return 1;
+}
+
 int scene_parse(const char *file, const char *text, size_t bytes, scene *out, scene_error *error) {
   parser p;
   block_seen seen;
@@ -153,8 +194,10 @@ int scene_parse(const char *file, const char *text, size_t bytes, scene *out, sc
   if (!check_text(&p, text, bytes)) return 0;
   lexer_start(&p.lexer, text, bytes);
   if (!block_read(&p, &scene_rule, "the scene", whole_text, out, &seen)) return 0;
-  if (!pins_resolve(&p) || !slits_check(&p)) return 0;
-  if (!out->limits.has_contacts) out->limits.contacts = out->sheet.warps * out->sheet.wefts;
+  out->has_wind = block_place(&scene_rule, &seen, "wind").line != 0;
+  if (!one_sheet(&p, &seen) || !triangles_resolve(&p) || !pins_resolve(&p) || !slits_check(&p)) return 0;
+  if (!out->limits.has_contacts && !out->triangles.present)
+    out->limits.contacts = out->sheet.warps * out->sheet.wefts;
   if (!out->limits.has_spare_particles && out->sheet.yarns != 0)
     out->limits.spare_particles = out->sheet.warps * out->sheet.wefts;
   set_transition(out);

@@ -14,7 +14,7 @@
 #define PARSER_PRINTS(text, first)
 #endif
 
-enum { PARSER_FOUND = 48, PARSER_LIST = 320, BLOCK_KEYS = 32 };
+enum { PARSER_FOUND = 48, PARSER_LIST = 320, BLOCK_KEYS = 32, VALUES_MAX = 5 };
 
 typedef struct {
   int line, column; /* line 0: nowhere */
@@ -65,7 +65,7 @@ int value_read_unit(parser *p, unit_quantity quantity, exact *factor);
 /* Scales a number into the scene's unit and checks its range. */
 int value_scale(parser *p, const value_number *value, exact factor, const value_range *range,
                 exact *result);
-/* count numbers and their common unit. */
+/* count numbers, at most VALUES_MAX, and their common unit. */
 int value_read_exacts(parser *p, const value_range *range, int count, exact *results);
 /* A whole number, with its unit if it has one. */
 int value_read_count(parser *p, const value_range *range, uint32_t *result);
@@ -112,6 +112,13 @@ int block_auto_count(parser *p, const block_key *key, void *target); /* or auto:
 /* ---- the blocks; each reads from behind its keyword ---- */
 
 int sheet_block_read(parser *p, const block_key *key, void *target);
+/* triangles { ... }; what it is made of is found once all materials are known. */
+int triangles_block_read(parser *p, const block_key *key, void *target);
+int triangles_resolve(parser *p);
+/* material NAME { ... } */
+int material_block_read(parser *p, const block_key *key, void *target);
+/* The values of `load`: SIDE X Y Z, a force along a whole side. */
+int load_read(parser *p, const block_key *key, void *target);
 int body_block_read(parser *p, const block_key *key, void *target);
 /* The values of `weave`, into the scene. */
 int pattern_read(parser *p, const block_key *key, void *target);

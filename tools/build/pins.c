@@ -106,9 +106,18 @@ static int find_body(parser *p, scene_pin *pin) {
   return 1;
 }
 
+/* Of a mesh without a grid only whole sides can be named. */
+static int is_side(const scene_pin *pin, uint32_t columns, uint32_t rows) {
+  const int row = pin->i0 == 0 && pin->i1 == columns && pin->j0 == pin->j1 && pin->j0 % rows == 0;
+  const int column = pin->j0 == 0 && pin->j1 == rows && pin->i0 == pin->i1 && pin->i0 % columns == 0;
+  return row || column;
+}
+
 int pins_resolve(parser *p) {
   scene *out = p->out;
-  uint32_t warps = out->sheet.warps, wefts = out->sheet.wefts;
+  const uint32_t columns = out->triangles.columns, rows = out->triangles.rows;
+  const uint32_t warps = out->triangles.present ? columns + 1 : out->sheet.warps;
+  const uint32_t wefts = out->triangles.present ? rows + 1 : out->sheet.wefts;
   for (uint32_t k = 0; k < out->pin_count; k++) {
     scene_pin *pin = &out->pins[k];
     resolve(&pin->i0, warps);
@@ -116,8 +125,11 @@ int pins_resolve(parser *p) {
     resolve(&pin->j0, wefts);
     resolve(&pin->j1, wefts);
     if (!find_body(p, pin)) return 0;
-    if (pin->i1 < warps && pin->j1 < wefts) continue;
     parser_place place = {pin->line, pin->column};
+    if (out->triangles.present && out->triangles.mesh != MESH_REGULAR && !is_side(pin, columns, rows))
+      return parser_fail(p, place, "found a pin inside of a mesh that is not regular, expected row top, row "
+                         "bottom, column left or column right");
+    if (pin->i1 < warps && pin->j1 < wefts) continue;
     return parser_fail(p, place,
                        "found a pin at warp %u, weft %u, expected it inside the grid: warps 0 to "
                        "%u, wefts 0 to %u",

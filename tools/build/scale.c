@@ -60,16 +60,16 @@ int draft_scale(draft *d) {
   return 1;
 }
 
-/* value * 2^shift in [least, most], or an error that names the key. */
-static int word(const draft *d, const char *key, exact value, unsigned shift, int64_t least,
-                int64_t most, int32_t *out) {
+int draft_word(const draft *d, const char *key, exact value, unsigned shift, int64_t least,
+               int64_t most, int32_t *out) {
   int64_t fixed;
   if (!exact_to_fixed(value, shift, &fixed) || fixed < least || fixed > most)
     return draft_refuse(d, d->scene->sheet.line,
-                        "%s: does not fit the runtime's range at %u Hz with %u substeps, for "
-                        "crossings of this mass; expected a value nearer to Table 1's, or another "
-                        "rate",
-                        key, d->scene->rate_hz, d->substeps);
+                        "%s: does not fit the runtime's range at %u Hz with %u substeps, for %s of this "
+                        "mass; expected a value nearer to %s, or another rate",
+                        key, d->scene->rate_hz, d->substeps,
+                        d->scene->triangles.present ? "vertices" : "crossings",
+                        d->scene->triangles.present ? "measured ones" : "Table 1's");
   *out = (int32_t)fixed;
   return 1;
 }
@@ -108,7 +108,7 @@ static int force_words(const draft *d, params *p) {
 }
 
 static int ticks(const draft *d, const char *key, exact seconds, int32_t *out) {
-  return word(d, key, exact_mul(seconds, exact_make(d->scene->rate_hz, 1)), 0, 1, 10000, out);
+  return draft_word(d, key, exact_mul(seconds, exact_make(d->scene->rate_hz, 1)), 0, 1, 10000, out);
 }
 
 static int hand_words(const draft *d, params *p) {
@@ -121,12 +121,12 @@ static int hand_words(const draft *d, params *p) {
   p->stale_ticks = 3;
   p->arm_poses = 16;
   const exact lu_per_step = exact_make(2, d->lu_um);
-  if (!word(d, "hands", lu_per_step, FX_POSITION_BITS + 8, 1, INT32_MAX, &p->pose_gain) ||
-      !word(d, "speed", exact_div(exact_mul(s->hands.speed, d->lu_per_cm), rate),
+  if (!draft_word(d, "hands", lu_per_step, FX_POSITION_BITS + 8, 1, INT32_MAX, &p->pose_gain) ||
+      !draft_word(d, "speed", exact_div(exact_mul(s->hands.speed, d->lu_per_cm), rate),
             FX_POSITION_BITS, 1, 1 << 28, &p->hand_speed) ||
-      !word(d, "force_limit", exact_mul(s->hands.force_limit, steps), 0, 0, 32767,
+      !draft_word(d, "force_limit", exact_mul(s->hands.force_limit, steps), 0, 0, 32767,
             &p->force_clamp) ||
-      !word(d, "force_rate", exact_div(exact_mul(s->hands.force_rate, steps), rate), 0, 0,
+      !draft_word(d, "force_rate", exact_div(exact_mul(s->hands.force_rate, steps), rate), 0, 0,
             INT32_MAX, &force_rate))
     return 0;
   p->force_rate = fx_clamp(force_rate, 1, 32767);
@@ -154,14 +154,14 @@ static int sheet_words(const draft *d, params *p) {
   p->cuts_max = (int32_t)s->limits.cuts_per_tick;
   p->seed = (int32_t)s->seed;
   p->contact_margin = fx_min(d->spacing[0], d->spacing[1]);
-  return word(d, "drag", exact_div(s->sheet.drag, rate), 24, 0, 1 << 24, &p->drag) &&
-         word(d, "damping", exact_div(s->sheet.damping, rate), 24, 0, 1 << 24,
+  return draft_word(d, "drag", exact_div(s->sheet.drag, rate), 24, 0, 1 << 24, &p->drag) &&
+         draft_word(d, "damping", exact_div(s->sheet.damping, rate), 24, 0, 1 << 24,
               &p->relative_damping) &&
-         word(d, "tear", s->sheet.tear_min, 16, 0, 1 << 18, &p->tear_min) &&
-         word(d, "tear", s->sheet.tear_max, 16, 0, 1 << 18, &p->tear_max) &&
-         word(d, "thickness", exact_mul(s->sheet.thickness, d->lu_per_cm), FX_POSITION_BITS, 0,
+         draft_word(d, "tear", s->sheet.tear_min, 16, 0, 1 << 18, &p->tear_min) &&
+         draft_word(d, "tear", s->sheet.tear_max, 16, 0, 1 << 18, &p->tear_max) &&
+         draft_word(d, "thickness", exact_mul(s->sheet.thickness, d->lu_per_cm), FX_POSITION_BITS, 0,
               FX_LU, &p->thickness) &&
-         word(d, "density", exact_mul(d->particle_mass, exact_make(1000000000, 1)), 0, 1,
+         draft_word(d, "density", exact_mul(d->particle_mass, exact_make(1000000000, 1)), 0, 1,
               INT32_MAX, &p->particle_mass_ng);
 }
 
@@ -197,12 +197,12 @@ int draft_yarns(const draft *d, yarn_params *y) {
   const exact grip = exact_mul(way, d->lu_per_cm);
   y->all_yarn = s->sheet.yarns == 2;
   y->loose_by_particles = s->sheet.loose_by_particles;
-  if (!word(d, "transition", s->sheet.transition_min, 16, 0, 1 << 18, &y->transition_min) ||
-      !word(d, "transition", s->sheet.transition_max, 16, 0, 1 << 18, &y->transition_max) ||
-      !word(d, "loose", exact_mul(s->sheet.loose, d->lu_per_cm), FX_POSITION_BITS, 1, 1 << 26,
+  if (!draft_word(d, "transition", s->sheet.transition_min, 16, 0, 1 << 18, &y->transition_min) ||
+      !draft_word(d, "transition", s->sheet.transition_max, 16, 0, 1 << 18, &y->transition_max) ||
+      !draft_word(d, "loose", exact_mul(s->sheet.loose, d->lu_per_cm), FX_POSITION_BITS, 1, 1 << 26,
             &y->loose_max) ||
-      !word(d, "slip_grip", grip, FX_POSITION_BITS, 0, 1 << 24, &y->slip_grip) ||
-      !word(d, "slip_friction", s->sheet.slip_friction, 16, 0, 16 << 16, &y->slip_friction))
+      !draft_word(d, "slip_grip", grip, FX_POSITION_BITS, 0, 1 << 24, &y->slip_grip) ||
+      !draft_word(d, "slip_friction", s->sheet.slip_friction, 16, 0, 16 << 16, &y->slip_friction))
     return 0;
   if (exact_compare(s->sheet.loose, s->sheet.thickness) <= 0)
     return draft_refuse(d, s->sheet.line, "loose: expected more than the thickness of the cloth, at "
@@ -224,7 +224,7 @@ static int make_spring(const draft *d, const char *key, exact k, int32_t rest,
   int32_t mantissa = 0;
   int32_t shift = 16;
   while (mantissa < 1 << 15 && shift < 46)
-    if (!word(d, key, gain, (unsigned)++shift, 0, 65535, &mantissa)) return 0;
+    if (!draft_word(d, key, gain, (unsigned)++shift, 0, 65535, &mantissa)) return 0;
   if (mantissa < 1 << 15) mantissa = 0; /* too weak to move anything */
   *c = spring_class_make(rest, mantissa, shift, compression_only);
   return 1;
@@ -238,7 +238,7 @@ static int push_share(const draft *d, int32_t *push) {
   const exact share = exact_div(twice, exact_make(per_second, 1));
   *push = 4096;
   return exact_compare(share, exact_make(1, 1)) >= 0 ||
-         word(d, "structural", share, 12, 0, 4096, push);
+         draft_word(d, "structural", share, 12, 0, 4096, push);
 }
 
 /* The rest length of a link that changes sides by `across`: the crimp's share, Q16, of the way that
@@ -263,7 +263,7 @@ int draft_classes(const draft *d, link_class *links, spring_class *springs) {
   int32_t push = 0;
   int32_t thickness = 0;
   int32_t crimp = 0;
-  if (!push_share(d, &push) || !draft_length(d, 0, d->scene->sheet.thickness, &thickness) || !word(d, "crimp", d->scene->sheet.crimp, 16, 0, 65536, &crimp))
+  if (!push_share(d, &push) || !draft_length(d, 0, d->scene->sheet.thickness, &thickness) || !draft_word(d, "crimp", d->scene->sheet.crimp, 16, 0, 65536, &crimp))
     return 0;
   for (uint32_t axis = 0; axis < 2; ++axis) {
     links[CLASS_WEFT + axis] = link_class_make(d->spacing[axis], push);

@@ -10,8 +10,10 @@
 
 #include "rt/fray.h"
 #include "tools/build/exact.h"
+#include "tools/build/fabrics.h"
 
-enum { SCENE_NAME = 32, SCENE_BODIES = 16, SCENE_KEYS = 4096, SCENE_PINS = 64, SCENE_SLITS = 64, SCENE_WEAVE = 8 };
+enum { SCENE_NAME = 32, SCENE_BODIES = 16, SCENE_KEYS = 4096, SCENE_PINS = 64, SCENE_SLITS = 64, SCENE_WEAVE = 8,
+       SCENE_MATERIALS = 8, SCENE_LOADS = 4 };
 
 typedef struct {
   exact at[3];
@@ -51,7 +53,24 @@ typedef struct {
   uint32_t key_first, keys; /* FRAY_PATH, in scene.keys; times strictly rising from >= 0 */
 } scene_body;
 
-/* Crossings held where they are, or by a body. */
+typedef struct {
+  char name[SCENE_NAME];
+  int line;
+  fabric_draft cloth;
+} scene_material;
+
+typedef enum { MESH_REGULAR, MESH_TURNED, MESH_IRREGULAR } scene_mesh;
+typedef enum { SIDE_TOP, SIDE_BOTTOM, SIDE_LEFT, SIDE_RIGHT } scene_side;
+
+/* A force on a side of a triangle sheet, per length of it at rest. */
+typedef struct {
+  scene_side side;
+  int line;
+  exact force[3]; /* N/m */
+} scene_load;
+
+/* Crossings held where they are, or by a body; of a triangle sheet the vertices of its grid, of its columns i and
+ * rows j. */
 typedef struct {
   uint32_t i0, i1, j0, j1; /* inclusive, inside the grid (checked) */
   char body[SCENE_NAME];   /* empty: where they are */
@@ -117,6 +136,29 @@ typedef struct {
                               choice */
   } sheet;
 
+  /* What it shares with woven sheets stands there: density, thickness, at, vertical, drag. */
+  struct {
+    int present, line;
+    uint32_t columns, rows; /* of cells, two triangles each where the mesh is regular */
+    exact edge[2];          /* cm, along rows and along columns */
+    scene_mesh mesh;        /* default regular */
+    exact mesh_half_tangent; /* MESH_TURNED */
+    uint32_t mesh_seed;      /* MESH_IRREGULAR */
+    exact weft_half_tangent; /* of the weft against the rows, default 0 */
+    char material[SCENE_NAME];
+    int material_line, material_column;
+    fabric_draft cloth;      /* of that material, mended */
+    uint32_t inner_steps;    /* most in a tick, default 64: stiffer cloths are scaled down */
+    exact strain_limit;      /* no side grows longer than by this share; 0: default, no limit */
+    exact wind_normal, wind_drag; /* coefficients, defaults 1 and 0.1 */
+  } triangles;
+  scene_material materials[SCENE_MATERIALS];
+  uint32_t material_count;
+  int has_wind;
+  exact wind[3];          /* cm/s; without it there is no air */
+  scene_load loads[SCENE_LOADS];
+  uint32_t load_count;
+
   scene_body bodies[SCENE_BODIES];
   uint32_t body_count;
   scene_key keys[SCENE_KEYS];
@@ -127,8 +169,10 @@ typedef struct {
   uint32_t slit_count;
 
   struct {
-    int has_spare_particles, has_contacts;
-    uint32_t spare_particles; /* default: with yarns as many as crossings, else 0 */
+    int has_spare_particles, has_spare_triangles, has_contacts;
+    uint32_t spare_triangles; /* default: of triangle sheets as many as triangles */
+    uint32_t spare_particles; /* default: with yarns as many as crossings, of triangle sheets as many
+                                 as vertices, else 0 */
     uint32_t contacts;        /* default: as many as crossings */
     uint32_t cuts_per_tick;   /* default 16 */
     uint32_t splits_per_tick; /* default 32 */

@@ -150,7 +150,7 @@ static int64_t distance(const body *k, vec3 at) {
   return gap - k->radius;
 }
 
-static void grip_crossings(draft *d) {
+static void grip_crossings(draft *d, const uint32_t *column, const uint32_t *row) {
   for (uint32_t n = 0; n < d->scene->body_count; ++n) {
     const scene_body *b = &d->scene->bodies[n];
     int64_t grip;
@@ -162,11 +162,13 @@ static void grip_crossings(draft *d) {
   }
   for (uint32_t n = 0; n < d->scene->pin_count; ++n) {
     const scene_pin *p = &d->scene->pins[n];
-    for (uint32_t j = p->j0; j <= p->j1; ++j)
-      for (uint32_t i = p->i0; i <= p->i1; ++i)
-        if (d->holder[j * d->grid.warps + i] == DRAFT_FREE)
-          d->holder[j * d->grid.warps + i] =
-              (uint8_t)(p->by < SCENE_BODIES ? p->by : d->bodies - 1);
+    const uint8_t by = (uint8_t)(p->by < SCENE_BODIES ? p->by : d->bodies - 1);
+    for (uint32_t c = 0; c < d->crossings; ++c) {
+      const uint32_t i = column != NULL ? column[c] : c % d->grid.warps;
+      const uint32_t j = row != NULL ? row[c] : c / d->grid.warps;
+      if (i >= p->i0 && i <= p->i1 && j >= p->j0 && j <= p->j1 && d->holder[c] == DRAFT_FREE)
+        d->holder[c] = by;
+    }
   }
 }
 
@@ -188,13 +190,17 @@ static int check_loads(const draft *d) {
   return 1;
 }
 
+int draft_holders(draft *d, const uint32_t *column, const uint32_t *row) {
+  for (uint32_t c = 0; c < d->crossings; ++c) d->holder[c] = DRAFT_FREE;
+  grip_crossings(d, column, row);
+  d->held = 0;
+  for (uint32_t c = 0; c < d->crossings; ++c) d->held += d->holder[c] != DRAFT_FREE;
+  return check_loads(d);
+}
+
 int draft_crossings(draft *d) {
   for (uint32_t j = 0; j < d->grid.wefts; ++j)
     for (uint32_t i = 0; i < d->grid.warps; ++i)
       if (!place_crossing(d, i, j)) return 0;
-  for (uint32_t c = 0; c < d->crossings; ++c) d->holder[c] = DRAFT_FREE;
-  grip_crossings(d);
-  d->held = 0;
-  for (uint32_t c = 0; c < d->crossings; ++c) d->held += d->holder[c] != DRAFT_FREE;
-  return check_loads(d);
+  return draft_holders(d, NULL, NULL);
 }

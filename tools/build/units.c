@@ -45,6 +45,9 @@ static const unit table[] = {
     {UNIT_FORCE_RATE, "mN/ms", 1, 1, 0},
     {UNIT_SHARE, "%", 1, 100, 1},
     {UNIT_ANGLE, "deg", 1, 1, 1},
+    {UNIT_BENDING, "Nm", 1, 1, 1},
+    {UNIT_BENDING, "mNm", 1, 1000, 0},
+    {UNIT_BENDING, "uNm", 1, 1000000, 0},
 };
 
 enum { UNITS = sizeof table / sizeof table[0] };
@@ -77,6 +80,7 @@ const char *units_quantity_name(unit_quantity quantity) {
     case UNIT_FORCE_RATE: return "force rate";
     case UNIT_SHARE: return "share";
     case UNIT_ANGLE: return "angle";
+    case UNIT_BENDING: return "bending stiffness";
   }
   return "?";
 }

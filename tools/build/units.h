@@ -23,7 +23,8 @@ typedef enum {
   UNIT_RATE,
   UNIT_FORCE_RATE,
   UNIT_SHARE, /* the unit may be left out: 0.05 is 5 % */
-  UNIT_ANGLE
+  UNIT_ANGLE,
+  UNIT_BENDING
 } unit_quantity;
 
 /* Returns 1 iff the text is a unit of that quantity. */

@@ -128,12 +128,13 @@ int value_scale(parser *p, const value_number *value, exact factor, const value_
 
 /* "a number" or "3 numbers"; of several, which one is missing does not help the reader. */
 static const char *numbers_wanted(int count) {
-  static const char *const wanted[] = {"a number", "a number", "2 numbers", "3 numbers"};
-  return wanted[count <= 3 ? count : 1];
+  static const char *const wanted[] = {"a number",  "a number",  "2 numbers",
+                                       "3 numbers", "4 numbers", "5 numbers"};
+  return wanted[count <= VALUES_MAX ? count : 1];
 }
 
 int value_read_exacts(parser *p, const value_range *range, int count, exact *results) {
-  value_number values[3];
+  value_number values[VALUES_MAX];
   exact factor;
   for (int k = 0; k < count; k++) {
     if (!value_read_number(p, &values[k], numbers_wanted(count))) return 0;
