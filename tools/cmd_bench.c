@@ -107,7 +107,8 @@ static int kernels_agree(const bench_result *r) {
 static int time_projections(const session *s, const kernels *k, projection_times *t, int runs) {
   struct opened o;
   if (!world_again(&s->opened, &o)) return 0;
-  const int enough = !runs || projections_keep_runs(&o) >= RUN_ROWS_LEAST;
+  const int enough = fray_describe(o.world).rows[FRAY_STRUCTURAL] != 0 &&
+                     (!runs || projections_keep_runs(&o) >= RUN_ROWS_LEAST);
   const int good = !enough || projections_time(o.world, k, t);
   world_close(&o);
   return good;

@@ -18,6 +18,20 @@ static double centimetres(const fray_facts *f, int32_t q24) {
   return q24 / 16777216.0 * f->lu_um / 10000.0;
 }
 
+static void print_triangles(const fray_world *w, const fray_facts *f) {
+  const fray_particles p = fray_view_particles(w);
+  printf("triangles  %u of %u, %.4f cm thick\n", f->triangles, f->triangles_max, centimetres(f, f->thickness));
+  printf("vertices   %u of %u, %u held, %.6f g for a regular one; 1 lu = %u um\n", p.count, f->particles_max,
+         p.held, f->particle_mass_ng * 1e-9, f->lu_um);
+  printf("rate       %u Hz, %u substeps, %u inner steps in each; at tick %u\n", f->rate_hz, f->substeps,
+         f->inner_steps, f->tick);
+  if (f->stiffness_q30 != 1 << 30)
+    printf("stiffness  scaled down to %.4g of the measured one, for the steps that 'inner_steps' allows; tears "
+           "go by the scaled stress\n", f->stiffness_q30 / 1073741824.0);
+  else
+    printf("stiffness  as measured\n");
+}
+
 static void print_sheet(const fray_world *w, const fray_facts *f) {
   const fray_sheet s = fray_view_sheet(w);
   const fray_particles p = fray_view_particles(w);
@@ -75,10 +89,11 @@ static void print_work(const fray_world *w) {
   const fray_work most = fray_limits(w);
   printf("\nmost work of a tick: %u predictions, %u projections, %u springs, %u contact tests,\n"
          "                     %u gathers, %u tear tests, %u over, %u cuts\n"
-         "                     %u transitions, %u splits, %u slips, %u stretches\n",
+         "                     %u transitions, %u splits, %u slips, %u stretches,\n"
+         "                     %u pulls, %u folds, %u lines\n",
          most.predictions, most.projections, most.springs, most.contacts, most.gathers,
          most.tear_tests, most.over, most.cuts, most.transitions, most.splits, most.slips,
-         most.stretches);
+         most.stretches, most.pulls, most.folds, most.lines);
 }
 
 int cmd_info(int argc, char **argv) {
@@ -91,8 +106,12 @@ int cmd_info(int argc, char **argv) {
   }
   if (wish == OPTIONS_WRONG || world_open_file(file, &o, stderr) != 0) return 2;
   const fray_facts f = fray_describe(o.world);
-  print_sheet(o.world, &f);
-  print_rows(&f);
+  if (f.triangles != 0) {
+    print_triangles(o.world, &f);
+  } else {
+    print_sheet(o.world, &f);
+    print_rows(&f);
+  }
   print_bodies(o.world, &f);
   print_pools(o.world, o.image_bytes, o.memory_bytes);
   print_work(o.world);

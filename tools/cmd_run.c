@@ -207,7 +207,11 @@ static void print_summary(run_job *j, FILE *out, const piece *pieces, uint32_t c
   if (j->first_cut != UINT32_MAX)
     fprintf(out, "first tear   tick %u (%.3f s)\n", j->first_cut,
             (double)j->first_cut / f->rate_hz);
-  fprintf(out, "springs cut  %u of %u\n", j->last.cuts_total, f->rows[FRAY_STRUCTURAL]);
+  if (f->triangles_max != 0)
+    fprintf(out, "tears        %u, triangles %u of %u\n", j->last.cuts_total,
+            fray_describe(j->s.opened.world).triangles, f->triangles_max);
+  else
+    fprintf(out, "springs cut  %u of %u\n", j->last.cuts_total, f->rows[FRAY_STRUCTURAL]);
   print_pieces(j, out, pieces, count);
   print_yarns(j, out);
   fprintf(out, "faults       0x%02X%s%s%s%s%s\n", j->faults,

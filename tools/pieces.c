@@ -31,6 +31,14 @@ static void join_couples(const fray_world *w, uint32_t *parent) {
           root_of(parent, fray_particle_of(w, c, FRAY_WARP));
 }
 
+static void join_triangles(const fray_world *w, uint32_t *parent) {
+  const uint32_t triangles = fray_describe(w).triangles;
+  for (uint32_t t = 0; t < triangles; ++t) {
+    const fray_triangle f = fray_view_triangle(w, t);
+    for (uint32_t k = 1; k < 3; ++k) parent[root_of(parent, f.vertex[0])] = root_of(parent, f.vertex[k]);
+  }
+}
+
 uint32_t pieces_find(const fray_world *w, piece *out, uint32_t room) {
   const fray_particles p = fray_view_particles(w);
   uint32_t *parent = malloc(p.count * sizeof *parent);
@@ -40,6 +48,7 @@ uint32_t pieces_find(const fray_world *w, piece *out, uint32_t room) {
     for (uint32_t n = 0; n < p.count; ++n) parent[n] = n;
     join_rows(w, parent);
     join_couples(w, parent);
+    join_triangles(w, parent);
     for (uint32_t n = 0; n < p.count; ++n) {
       piece *root = &all[root_of(parent, n)];
       ++root->crossings;

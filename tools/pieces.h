@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The pieces of a torn sheet: crossings connected by structural springs that are whole, and by couples
- * whose yarns still hold each other. */
+ * whose yarns still hold each other; of a triangle sheet vertices connected by triangles. */
 #ifndef FRAY_TOOLS_PIECES_H
 #define FRAY_TOOLS_PIECES_H
 
@@ -8,7 +8,7 @@
 
 
 typedef struct {
-  uint32_t crossings; /* of sheets with yarns particles: a split crossing counts twice */
+  uint32_t crossings; /* of sheets with yarns, and of triangles, particles */
   uint32_t holders; /* bit b: body b holds some of it; 0: it is loose */
 } piece;
 

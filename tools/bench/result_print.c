@@ -59,6 +59,10 @@ void result_print(FILE *out, const bench_result *r) {
             p->worst_ns / 1e3, profile_real_time(p));
   }
   print_stages(out, r);
+  if (r->any.rows == 0) {
+    fprintf(out, "  no projections: triangle sheets have no links; predict has their stress and bending\n");
+    return;
+  }
   fprintf(out,
           "  ns a projection, %u rows, %.0f %% in runs\n"
           "                          least  median   ratio to float plain, coloured, AVX2 by ids,"

@@ -9,7 +9,8 @@ cloth_style cloth_style_default(cloth_look look) {
                    .weft = rgb_hex(0x86AFCB),
                    .back = {1.28f, 0.86f, 0.74f},
                    .base = rgb_hex(0xC2188F),
-                   .split = rgb_hex(0x00A6CC)};
+                   .split = rgb_hex(0x00A6CC),
+                   .stress_full = 100.0f};
   if (look == LOOK_YARN) {
     s.warp = rgb_hex(0x4A7BAB);
     s.weft = rgb_hex(0x9CBAD2);

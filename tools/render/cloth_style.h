@@ -17,6 +17,7 @@ typedef struct {
   rgb back;    /* the other side's colours are multiplied by this; LOOK_SHEET only */
   rgb base, split; /* LOOK_WIRE */
   int strain;  /* 1: blue (slack), white (at rest), red (about to be cut) */
+  float stress_full; /* N/m: of triangle sheets, what is red then */
 } cloth_style;
 
 cloth_style cloth_style_default(cloth_look look);

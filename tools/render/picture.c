@@ -2,10 +2,12 @@
 #include "tools/render/picture.h"
 
 #include <errno.h>
+#include <stdio.h>
 
 #include "tools/render/body_picture.h"
 #include "tools/render/font.h"
 #include "tools/render/light.h"
+#include "tools/render/triangle_picture.h"
 #include "tools/render/weave_picture.h"
 #include "tools/render/wire_picture.h"
 
@@ -44,7 +46,7 @@ static void draw_ground(canvas *c, const camera *cam, const lighting *light,
   ground_draw(c, cam, light, centre, (v3){0, 1, 0}, 1.1f * size, 0.0f);
 }
 
-static void draw_strain_key(canvas *c) {
+static void draw_strain_key(canvas *c, const char *most) {
   const float unit = fmaxf(1.0f, roundf((float)c->width / 640.0f));
   const float width = 110.0f * unit, height = 6.0f * unit,
               x = (float)c->width - width - 14.0f * unit;
@@ -57,12 +59,14 @@ static void draw_strain_key(canvas *c) {
   }
   font_draw(c, x, y + 9.0f * unit, unit, "slack", ink, FONT_LEFT);
   font_draw(c, x + 0.5f * width, y + 9.0f * unit, unit, "rest", ink, FONT_CENTRE);
-  font_draw(c, x + width, y + 9.0f * unit, unit, "tears", ink, FONT_RIGHT);
+  font_draw(c, x + width, y + 9.0f * unit, unit, most, ink, FONT_RIGHT);
 }
 
-static void draw_text(canvas *c, const picture_style *style) {
+static void draw_text(canvas *c, const picture_source *source, const picture_style *style) {
+  char most[32] = "tears";
   const float unit = fmaxf(1.0f, roundf((float)c->width / 640.0f));
-  if (style->cloth.strain) draw_strain_key(c);
+  if (source->triangle_count) snprintf(most, sizeof most, "%g N/m", (double)style->cloth.stress_full);
+  if (style->cloth.strain) draw_strain_key(c, most);
   if (!style->caption) return;
   /* A light rim: the caption may stand before cloth. */
   for (int n = 0; n < 5; n++) {
@@ -74,6 +78,7 @@ static void draw_text(canvas *c, const picture_style *style) {
 
 static int draw_cloth(canvas *c, const camera *cam, const lighting *light,
                       const picture_source *source, const cloth_style *style) {
+  if (source->triangle_count) return triangle_picture_draw(c, cam, light, source, style);
   switch (style->look) {
     case LOOK_SHEET: return sheet_picture_draw(c, cam, light, source, style);
     case LOOK_YARN: return weave_picture_draw(c, cam, light, source, style);
@@ -100,7 +105,7 @@ int picture_draw(canvas *c, const camera *cam, const picture_source *source,
     body_draw(c, cam, &light, source->bodies + k);
   pins_draw(c, cam, &light, source);
   good = draw_cloth(c, cam, &light, source, &style->cloth) && good;
-  draw_text(c, style);
+  draw_text(c, source, style);
   lighting_close(&light);
   return good;
 }

@@ -15,12 +15,16 @@ void picture_source_close(picture_source *s) {
   free(s->pinned);
   free(s->springs);
   free(s->load);
+  free(s->vertices);
+  free(s->held);
+  free(s->triangles);
   free(s->bodies);
   memset(s, 0, sizeof *s);
 }
 
 int picture_source_reserve(picture_source *s, uint32_t warps, uint32_t wefts, uint32_t bodies) {
-  if (s->crossings && s->warps == warps && s->wefts == wefts && s->body_count == bodies) return 1;
+  if (s->crossings && !s->triangles && s->warps == warps && s->wefts == wefts && s->body_count == bodies)
+    return 1;
   picture_source_close(s);
   const size_t crossings = (size_t)warps * wefts, springs = picture_springs(warps, wefts);
   /* One more of each: calloc(0) may return NULL. */
@@ -100,6 +104,44 @@ static void read_springs(picture_source *s, const fray_world *world, const fray_
   s->spacing = rows ? (float)(rest_sum / rows) * mm_per_q24 : 1.0f;
 }
 
+static float principal(const int32_t stress[3]) {
+  const float middle = 0.5f * ((float)stress[0] + (float)stress[1]);
+  const float half = 0.5f * ((float)stress[0] - (float)stress[1]), shear = (float)stress[2];
+  return (middle + sqrtf(half * half + shear * shear)) / 4096.0f;
+}
+
+static int read_triangles(picture_source *s, const fray_world *world, const fray_particles *p,
+                          const fray_facts *facts, float mm_per_q24) {
+  double area = 0.0;
+  if (facts->triangles == 0) return 1;
+  s->vertices = calloc(p->count, sizeof *s->vertices);
+  s->held = calloc(p->count, sizeof *s->held);
+  s->triangles = calloc(facts->triangles, sizeof *s->triangles);
+  if (!s->vertices || !s->held || !s->triangles) return 0;
+  s->vertex_count = p->count;
+  s->triangle_count = facts->triangles;
+  for (uint32_t n = 0; n < p->count; n++) {
+    const int32_t at[3] = {p->x[n], p->y[n], p->z[n]};
+    s->vertices[n] = in_mm(at, mm_per_q24);
+    s->held[n] = n < p->held && s->bodies[fray_holder(world, n)].shape == FRAY_ANCHOR;
+  }
+  for (uint32_t t = 0; t < facts->triangles; t++) {
+    const fray_triangle from = fray_view_triangle(world, t);
+    picture_triangle *to = s->triangles + t;
+    to->stress = principal(from.stress);
+    for (int k = 0; k < 3; k++) {
+      to->vertex[k] = from.vertex[k];
+      to->border[k] = from.border[k];
+      to->side[k] = from.side[k];
+    }
+    const double u1 = (double)from.u[1] - from.u[0], u2 = (double)from.u[2] - from.u[0];
+    const double v1 = (double)from.v[1] - from.v[0], v2 = (double)from.v[2] - from.v[0];
+    area += u1 * v2 - u2 * v1;
+  }
+  s->spacing = (float)sqrt(area / facts->triangles) * mm_per_q24;
+  return 1;
+}
+
 int picture_source_read(picture_source *s, const fray_world *world) {
   const fray_facts facts = fray_describe(world);
   const fray_sheet sheet = fray_view_sheet(world);
@@ -118,12 +160,17 @@ int picture_source_read(picture_source *s, const fray_world *world) {
   }
   for (uint32_t k = 0; k < s->warps * s->wefts; k++) read_crossing(s, world, &p, k, mm_per_q24);
   read_springs(s, world, &p, facts.rows[FRAY_STRUCTURAL], mm_per_q24);
+  if (!read_triangles(s, world, &p, &facts, mm_per_q24)) {
+    picture_source_close(s);
+    return 0;
+  }
   return 1;
 }
 
 bounds picture_source_bounds(const picture_source *s) {
   bounds b = bounds_none();
   for (uint32_t k = 0; k < s->warps * s->wefts; k++) bounds_add(&b, s->crossings[k]);
+  for (uint32_t k = 0; k < s->vertex_count; k++) bounds_add(&b, s->vertices[k]);
   for (uint32_t k = 0; k < s->body_count; k++) {
     const picture_body *body = s->bodies + k;
     if (body->shape == FRAY_PLANE || body->shape == FRAY_ANCHOR) continue;

@@ -22,6 +22,12 @@ typedef struct {
 } picture_body;
 
 typedef struct {
+  uint32_t vertex[3];
+  float stress;    /* the larger principal one, N/m; < 0: pressed */
+  uint8_t border[3], side[3]; /* of the side opposite each vertex: fray_triangle */
+} picture_triangle;
+
+typedef struct {
   uint32_t warps, wefts;
   uint32_t weave_columns, weave_rows;
   uint64_t weave;
@@ -33,6 +39,10 @@ typedef struct {
   uint8_t *pinned; /* per crossing: held in place by an anchor */
   uint8_t *springs; /* SPRING_*, by canonical number, see fray_sheet */
   float *load;     /* per spring: strain over the strain at which it is cut; < 0: slack */
+  v3 *vertices;    /* of a triangle sheet, which has no crossings */
+  uint8_t *held;   /* per vertex: by an anchor */
+  picture_triangle *triangles;
+  uint32_t vertex_count, triangle_count;
   picture_body *bodies;
   uint32_t body_count;
   uint32_t tick, rate_hz;
