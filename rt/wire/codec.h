@@ -56,11 +56,11 @@ typedef struct {
   uint32_t tick;           /* the tick that took the COMMAND */
 } codec_ack;
 
-enum { CODEC_TEAR_STRUCTURAL = 1 };
+enum { CODEC_TEAR_STRUCTURAL = 1, CODEC_TEAR_TRIANGLES = 2 };
 typedef struct {
-  uint8_t kind;     /* CODEC_TEAR_STRUCTURAL: a structural spring was cut */
+  uint8_t kind;     /* CODEC_TEAR_STRUCTURAL: a structural spring was cut; _TRIANGLES: a triangle sheet tore */
   uint16_t more;    /* how many more in this tick, 65535: that many or more */
-  uint32_t element; /* canonical id of the spring, see fray_sheet */
+  uint32_t element; /* canonical id of the spring, see fray_sheet; the vertex where the sheet tore */
 } codec_tear;
 
 typedef struct {

@@ -117,6 +117,15 @@ static void tear_and_status_frames(void) {
   check_frame(&f, 0x200, "01002C0170110100");
   CHECK_EQ_INT(codec_decode_tear(&f, 0, &tear), CODEC_OK);
   CHECK_EQ_INT(tear.more, 300);
+  const codec_tear torn = {CODEC_TEAR_TRIANGLES, 0, 5};
+  codec_encode_tear(&f, 0, &torn);
+  check_frame(&f, 0x200, "0200000005000000");
+  CHECK_EQ_INT(codec_decode_tear(&f, 0, &tear), CODEC_OK);
+  CHECK_EQ_INT(tear.kind, CODEC_TEAR_TRIANGLES);
+  f.data[0] = 3;
+  CHECK_EQ_INT(codec_decode_tear(&f, 0, &tear), CODEC_FIELD);
+  codec_encode_tear(&f, 0, &cut);
+  CHECK_EQ_INT(codec_decode_tear(&f, 0, &tear), CODEC_OK);
   CHECK_EQ_INT(tear.element, 70000);
   const codec_status now = {FRAY_SAFE, 100, FRAY_FAULT_STALE_RIGHT | FRAY_FAULT_LEFT_WORLD, 258,
                             65535};
@@ -174,7 +183,7 @@ static void refused_fields(void) {
   CHECK_EQ_INT(codec_decode_ack(&result, 0, &ack), CODEC_FIELD);
   frame f = {0x200, 0, 0, 0, 0, 8, {1, 1, 0, 0, 0, 0, 0, 0}};
   CHECK_EQ_INT(codec_decode_tear(&f, 0, &tear), CODEC_RESERVED);
-  f.data[0] = 2;
+  f.data[0] = 3;
   f.data[1] = 0;
   CHECK_EQ_INT(codec_decode_tear(&f, 0, &tear), CODEC_FIELD);
   f.id = 0x701;

@@ -274,8 +274,15 @@ static void outputs(void) {
   CHECK_EQ_INT(codec_decode_tear(&f[3], 0, &tear), CODEC_OK);
   CHECK_EQ_INT(tear.more, 2);
   CHECK_EQ_INT(tear.element, 77);
+  CHECK_EQ_INT(tear.kind, CODEC_TEAR_STRUCTURAL);
   CHECK_EQ_INT(codec_decode_status(&f[4], 0, &status), CODEC_OK);
   CHECK_EQ_INT(status.tears, 65535);
+  o.tick = 34;
+  o.work.lines = 12;
+  CHECK_EQ_INT(port_encode(&s, &o, f), 4);
+  CHECK_EQ_INT(codec_decode_tear(&f[3], 0, &tear), CODEC_OK);
+  CHECK_EQ_INT(tear.kind, CODEC_TEAR_TRIANGLES);
+  CHECK_EQ_INT(tear.element, 77);
 }
 
 static void status_when_due(void) {
