@@ -205,6 +205,7 @@ static void scenes(void) {
       {"tests/cross/bodies.scene", "seed", "seed", 120, 0},
       {"tests/cross/satin24.scene", "seed", "seed", 60, 0},
       {"tests/cross/stretched.scene", "seed", "seed", 120, 0},
+      {"tests/cross/rag.scene", "substeps", "substeps", 60, 0},
       {"tests/scenes/strength/single_yarn.scene", "warps 2", "warps 40", 20, 0},
   };
   for (uint32_t n = 0; n < sizeof list / sizeof list[0]; ++n) {

@@ -1,0 +1,282 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Tears and cuts of triangle sheets: after each of 10,000 random ones the sheet is whole in itself, its
+ * sums are the same to the last bit, and what cannot be done changes nothing. */
+#include "tests/lib/test.h"
+
+#include "rt/model/sheet_split.h"
+#include "tests/lib/bare_sheet.h"
+#include "tests/lib/sheet_check.h"
+
+typedef struct {
+  uint32_t kind, at, k, share, share1;
+  int32_t du, dv;
+} act;
+
+static act draw(const fray_world *w, uint64_t *seed) {
+  act a;
+  a.kind = bare_below(seed, 8);
+  a.at = bare_below(seed, a.kind < 4 ? w->particles : (uint32_t)w->sheet.state->triangles);
+  a.k = bare_below(seed, 3);
+  a.share = bare_below(seed, SHEET_SHARE + 1);
+  a.share1 = bare_below(seed, SHEET_SHARE + 1 - a.share);
+  a.du = bare_between(seed, -(1 << 30), 1 << 30);
+  a.dv = bare_between(seed, -(1 << 30), 1 << 30);
+  return a;
+}
+
+static sheet_result split(fray_world *w, const act *a) {
+  sheet_fan fan;
+  sheet_ray from;
+  sheet_ray to;
+  sheet_walk(&w->sheet, a->at, &fan);
+  const sheet_point centre = sheet_at(&w->sheet, a->at);
+  if (!sheet_ray_along(&w->sheet, &fan, centre, a->du, a->dv, &from)) return SHEET_NO_WAY;
+  if (fan.closed != 0 && !sheet_ray_along(&w->sheet, &fan, centre, -a->du, -a->dv, &to))
+    return SHEET_NO_WAY;
+  return sheet_split(w, a->at, &from, &to, SHEET_TORN);
+}
+
+static sheet_result perform(fray_world *w, const act *a) {
+  uint32_t born;
+  if (a->kind < 4) return split(w, a);
+  if (a->kind == 4) return sheet_open_side(w, a->at, a->k, SHEET_CUT);
+  if (a->kind == 5) return sheet_cut_side(w, a->at, a->k, a->share, a->du, a->dv);
+  if (a->kind == 6) return sheet_cut_triangle(w, a->at, a->share, a->share1, a->du, a->dv);
+  return a->share % 2 == 0 ? sheet_divide_side(w, a->at, a->k, a->share, &born)
+                           : sheet_divide_triangle(w, a->at, a->share, a->share1, &born);
+}
+
+typedef struct {
+  uint32_t done, no_way, no_particles, no_triangles, kinds[8];
+  double worst_area, worst_weight;
+} tally;
+
+/* What is refused for want of room needs more than there is, and with enough of it is done. */
+static void check_refusal(const bare_sheet *b, const act *a, sheet_result result) {
+  bare_sheet roomy;
+  bare_copy(&roomy, b);
+  const uint32_t particles = roomy.w.capacity[POOL_PARTICLES];
+  const uint32_t triangles = roomy.w.capacity[POOL_TRIANGLES];
+  roomy.w.capacity[POOL_PARTICLES] += BARE_HIDDEN;
+  roomy.w.capacity[POOL_TRIANGLES] += BARE_HIDDEN;
+  CHECK_EQ_INT(perform(&roomy.w, a), SHEET_DONE);
+  if (result == SHEET_NO_PARTICLES) CHECK(roomy.w.particles > particles);
+  if (result == SHEET_NO_TRIANGLES)
+    CHECK((uint32_t)roomy.w.sheet.state->triangles > triangles && roomy.w.particles <= particles);
+  bare_close(&roomy);
+}
+
+/* What was done takes as much as it takes, and no less: pools that have just enough do, one short of it
+ * they are named. `before` is what it was done to. */
+static void check_needs(const bare_sheet *before, const bare_sheet *b, const act *a) {
+  const uint32_t particles = b->w.particles;
+  const uint32_t triangles = (uint32_t)b->w.sheet.state->triangles;
+  for (uint32_t n = 0; n < 3; ++n) {
+    if ((n == 1 && particles == before->w.particles) ||
+        (n == 2 && triangles == (uint32_t)before->w.sheet.state->triangles))
+      continue;
+    bare_sheet tight;
+    bare_copy(&tight, before);
+    tight.w.capacity[POOL_PARTICLES] = particles - (n == 1);
+    tight.w.capacity[POOL_TRIANGLES] = triangles - (n == 2);
+    CHECK_EQ_INT(perform(&tight.w, a),
+                 n == 0 ? SHEET_DONE : n == 1 ? SHEET_NO_PARTICLES : SHEET_NO_TRIANGLES);
+    CHECK(bare_is_same(&tight, n == 0 ? b : before));
+    bare_close(&tight);
+  }
+}
+
+/* One sheet until it has had so many tears and cuts, or no more fit. */
+static void shred(bare_mesh mesh, uint64_t seed, const uint32_t spare[2], uint32_t wanted,
+                  tally *total) {
+  enum { COLUMNS = 14, ROWS = 12 };
+  bare_sheet b;
+  bare_sheet before;
+  sheet_check k;
+  bare_open(&b, mesh, COLUMNS, ROWS, spare[0], spare[1], seed);
+  if (seed / 5 % 2 == 0) bare_lower_floors(&b);
+  sheet_check_open(&k, &b.w);
+  sheet_check_now(&k, &b.w);
+  uint32_t refused = 0;
+  for (uint32_t done = 0; done < wanted && refused < 400 && k.bad == 0;) {
+    const act a = draw(&b.w, &seed);
+    bare_copy(&before, &b);
+    const sheet_result result = perform(&b.w, &a);
+    if (result == SHEET_DONE) {
+      sheet_check_now(&k, &b.w);
+      check_needs(&before, &b, &a);
+      ++done;
+      ++total->done;
+      ++total->kinds[a.kind];
+      refused = 0;
+    } else {
+      CHECK(bare_is_same(&before, &b));
+      total->no_way += result == SHEET_NO_WAY;
+      total->no_particles += result == SHEET_NO_PARTICLES;
+      total->no_triangles += result == SHEET_NO_TRIANGLES;
+      if (result != SHEET_NO_WAY) check_refusal(&b, &a, result);
+      ++refused;
+    }
+    bare_close(&before);
+  }
+  CHECK_EQ_INT(k.bad, 0);
+  if (k.worst_area > total->worst_area) total->worst_area = k.worst_area;
+  if (k.worst_weight > total->worst_weight) total->worst_weight = k.worst_weight;
+  bare_close(&b);
+}
+
+static void random_tears_and_cuts(void) {
+  tally total;
+  memset(&total, 0, sizeof total);
+  static const uint32_t spare[5][2] = {{3000, 3000}, {3000, 3000}, {3000, 3000}, {60, 60}, {90, 40}};
+  for (uint32_t run = 0; total.done < 10000 && run < 1000; ++run)
+    shred((bare_mesh)(run % BARE_MESHES), 1000 + run, spare[run % 5], 400, &total);
+  CHECK(total.done >= 10000);
+  for (uint32_t n = 0; n < 8; ++n) CHECK(total.kinds[n] > 100);
+  CHECK(total.no_particles > 10 && total.no_triangles > 10);
+  CHECK(total.worst_area <= 16);
+  CHECK(total.worst_weight <= 1e-6);
+  printf("figure sheet_tears_and_cuts %u (asked: 10000); refused: %u no way, %u no particles, %u no "
+         "triangles\n", total.done, total.no_way, total.no_particles, total.no_triangles);
+  printf("figure sheet_area_off %.3g of 2^-30 lu^2, weights %.3g per lu (asked: 16, 1e-6)\n",
+         total.worst_area, total.worst_weight);
+}
+
+/* ---- what becomes of one ---- */
+
+enum { WIDE = 6, HIGH = 6 };
+static uint32_t at(uint32_t i, uint32_t j) { return j * (WIDE + 1) + i; }
+
+/* With floors that leave room for three parts of a triangle. */
+static fray_world *open_small(bare_sheet *b, bare_mesh mesh) {
+  bare_open(b, mesh, WIDE, HIGH, 40, 40, 1);
+  bare_lower_floors(b);
+  return &b->w;
+}
+
+static uint32_t pieces(const fray_world *w, uint32_t vertex) {
+  uint32_t count = 0; /* vertices at the same place of the rest shape */
+  for (uint32_t p = 0; p < w->particles; ++p)
+    count += w->sheet.u[p] == w->sheet.u[vertex] && w->sheet.v[p] == w->sheet.v[vertex];
+  return count;
+}
+
+static uint32_t marked(const fray_world *w, sheet_mark mark) {
+  uint32_t count = 0;
+  for (uint32_t t = 0; t < (uint32_t)w->sheet.state->triangles; ++t)
+    for (uint32_t k = 0; k < 3; ++k) count += sheet_mark_of(&w->sheet, t, k) == mark;
+  return count;
+}
+
+static sheet_result split_along(fray_world *w, uint32_t vertex, int32_t du, int32_t dv) {
+  const act a = {0, vertex, 0, 0, 0, du, dv};
+  return split(w, &a);
+}
+
+/* Spokes of the regular mesh go along u, along v, and along both. */
+static void a_tear_goes_on_from_its_ends(void) {
+  bare_sheet b;
+  fray_world *w = open_small(&b, BARE_REGULAR);
+  const uint32_t p = at(3, 3), first = w->particles;
+  CHECK_EQ_INT(split_along(w, p, 0, 1 << 20), SHEET_DONE);
+  CHECK_EQ_INT(w->particles, first + 1);
+  CHECK_EQ_INT(pieces(w, p), 2);
+  CHECK_EQ_INT(pieces(w, at(3, 4)), 1);
+  CHECK_EQ_INT(marked(w, SHEET_TORN), 4);
+  const int32_t *const arrays[] = {w->x, w->y, w->z, w->qx, w->qy, w->qz, w->vx, w->vy, w->vz};
+  for (uint32_t n = 0; n < 9; ++n) CHECK_EQ_INT(arrays[n][first], arrays[n][p]);
+  CHECK(abs((int)w->sheet.mass[first] - (int)w->sheet.mass[p]) < 64); /* three triangles each */
+  CHECK(sheet_is_open(&w->sheet, at(3, 4)) && sheet_is_open(&w->sheet, at(3, 2)));
+  /* the next ones divide the vertex that was its end, and at the border that too */
+  CHECK_EQ_INT(split_along(w, at(3, 4), 0, 1 << 20), SHEET_DONE);
+  CHECK_EQ_INT(pieces(w, at(3, 4)), 2);
+  CHECK_EQ_INT(pieces(w, at(3, 5)), 1);
+  CHECK_EQ_INT(split_along(w, at(3, 5), 0, 1 << 20), SHEET_DONE);
+  CHECK_EQ_INT(pieces(w, at(3, 5)), 2);
+  CHECK_EQ_INT(pieces(w, at(3, 6)), 2);
+  CHECK_EQ_INT(w->sheet.state->triangles, 2 * WIDE * HIGH);
+  bare_close(&b);
+}
+
+static void a_ray_near_a_side_goes_along_it(void) {
+  bare_sheet b;
+  fray_world *w = open_small(&b, BARE_REGULAR);
+  CHECK_EQ_INT(split_along(w, at(3, 3), 1 << 16, 1 << 20), SHEET_DONE); /* 3.6 degrees */
+  CHECK_EQ_INT(w->sheet.state->triangles, 2 * WIDE * HIGH);
+  CHECK_EQ_INT(pieces(w, at(3, 3)), 2);
+  CHECK_EQ_INT(split_along(w, at(1, 3), 1 << 19, 1 << 20), SHEET_DONE); /* 27 degrees */
+  CHECK_EQ_INT(w->sheet.state->triangles, 2 * WIDE * HIGH + 4);
+  bare_close(&b);
+}
+
+static void what_is_held_stays_whole(void) {
+  bare_sheet b;
+  fray_world *w = open_small(&b, BARE_REGULAR);
+  CHECK_EQ_INT(split_along(w, at(3, 0), 0, 1 << 20), SHEET_NO_WAY);
+  CHECK_EQ_INT(split_along(w, at(3, 1), 0, 1 << 20), SHEET_NO_WAY); /* would divide at(3, 0) */
+  CHECK_EQ_INT(split_along(w, at(3, 1), 1 << 20, 0), SHEET_DONE);
+  bare_close(&b);
+}
+
+static void a_point_opens_three_sides(void) {
+  bare_sheet b;
+  fray_world *w = open_small(&b, BARE_REGULAR);
+  const uint32_t t = 2 * (2 * WIDE + 2), first = w->particles;
+  CHECK_EQ_INT(sheet_cut_triangle(w, t, SHEET_SHARE / 3, SHEET_SHARE / 3, 1 << 20, 0), SHEET_DONE);
+  CHECK_EQ_INT(w->sheet.state->triangles, 2 * WIDE * HIGH + 2);
+  CHECK_EQ_INT(w->particles, first + 3);
+  CHECK_EQ_INT(pieces(w, first), 3);
+  CHECK_EQ_INT(marked(w, SHEET_CUT), 6);
+  bare_close(&b);
+}
+
+/* An edge that goes over the middle of a side, across it: the way through both triangles opens. */
+static void an_edge_opens_its_way(void) {
+  bare_sheet b;
+  fray_world *w = open_small(&b, BARE_REGULAR);
+  const uint32_t t = 2 * (2 * WIDE + 2), first = w->particles;
+  uint32_t k = 0; /* the side between both triangles of a cell */
+  while (sheet_across(&w->sheet, t, k) != t + 1) ++k;
+  const uint32_t apex = w->sheet.triangle[t].v[k];
+  const uint32_t far = w->sheet.triangle[t + 1].v[sheet_back(&w->sheet, t, k)];
+  const int32_t du = w->sheet.u[far] - w->sheet.u[apex], dv = w->sheet.v[far] - w->sheet.v[apex];
+  CHECK_EQ_INT(sheet_cut_side(w, t, k, SHEET_SHARE / 2, du, dv), SHEET_DONE);
+  CHECK_EQ_INT(w->sheet.state->triangles, 2 * WIDE * HIGH + 2);
+  CHECK_EQ_INT(w->particles, first + 2);
+  CHECK_EQ_INT(pieces(w, first), 2);
+  CHECK_EQ_INT(marked(w, SHEET_CUT), 4);
+  CHECK(sheet_is_open(&w->sheet, apex) && sheet_is_open(&w->sheet, far));
+  /* near its end it is the end that is split */
+  CHECK_EQ_INT(sheet_cut_side(w, 0, 0, SHEET_SHARE - 100, 1 << 20, 0), SHEET_DONE);
+  CHECK_EQ_INT(w->sheet.state->triangles, 2 * WIDE * HIGH + 2);
+  bare_close(&b);
+}
+
+/* A vertex that is born on a side stands on it and moves with it. */
+static void what_is_born_is_between(void) {
+  bare_sheet b;
+  uint32_t born;
+  fray_world *w = open_small(&b, BARE_TURNED);
+  const uint32_t t = 2 * (2 * WIDE + 2);
+  const uint32_t a = w->sheet.triangle[t].v[1], c = w->sheet.triangle[t].v[2];
+  CHECK_EQ_INT(sheet_divide_side(w, t, 0, SHEET_SHARE / 4, &born), SHEET_DONE);
+  const int32_t *const arrays[] = {w->x, w->y, w->z, w->qx, w->qy, w->qz, w->vx, w->vy, w->vz,
+                                   w->sheet.u, w->sheet.v};
+  const double most[] = {0.6, 0.6, 0.6, 0.6, 0.6, 0.6, 3000, 3000, 3000, 0.6, 0.6};
+  for (uint32_t n = 0; n < 11; ++n) {
+    const double expected = arrays[n][a] + 0.25 * ((double)arrays[n][c] - arrays[n][a]);
+    CHECK(fabs(arrays[n][born] - expected) <= most[n]); /* velocities by areas, which are whole steps */
+  }
+  bare_close(&b);
+}
+
+int main(void) {
+  TEST(a_tear_goes_on_from_its_ends);
+  TEST(a_ray_near_a_side_goes_along_it);
+  TEST(what_is_held_stays_whole);
+  TEST(a_point_opens_three_sides);
+  TEST(an_edge_opens_its_way);
+  TEST(what_is_born_is_between);
+  TEST(random_tears_and_cuts);
+  return test_end();
+}

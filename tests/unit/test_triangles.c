@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Triangle sheets from text to world: meshes that are whole, materials, what is refused and where;
+ * images with any bit flipped; save and restore; impulses that cancel. */
+#include "rt/base/bytes.h"
+#include "tests/lib/test.h"
+#include "tests/lib/world_fixture.h"
+
+static const char small[] = "scene small\nwind 2 0 1 m/s\ntriangles {\n columns 3\n rows 2\n edge "
+                            "1 cm\n mesh %s\n material %s\n"
+                            " strain_limit 50 %%\n%s}\npin column left\nload right 1 0 0 N/m\n"
+                            "limits { spare_particles 2 spare_triangles 2 contacts 4 }\n%s";
+
+static void open_small(fixture *f, const char *mesh, const char *material, const char *inside,
+                       const char *more) {
+  fixture_print(f, small, mesh, material, inside, more);
+}
+
+/* Euler: vertices - sides + triangles of a disc is 1; areas add up to the rectangle. */
+static void meshes_are_whole(void) {
+  static const char *const meshes[] = {"regular", "turned 30 deg", "turned -17.5 deg",
+                                       "irregular 1", "irregular 77"};
+  for (size_t n = 0; n < sizeof meshes / sizeof meshes[0]; ++n) {
+    fixture f;
+    fixture_print(&f,
+                  "scene m\ntriangles {\n columns 20\n rows 13\n edge 0.7 1 cm\n mesh %s\n "
+                  "material denim\n weft 20 deg\n}\n",
+                  meshes[n]);
+    const sheet_mesh *s = &f.w->sheet;
+    const uint32_t triangles = (uint32_t)s->state->triangles;
+    uint32_t border = 0;
+    uint64_t area = 0;
+    for (uint32_t t = 0; t < triangles; ++t) {
+      area += s->area[t];
+      for (uint32_t k = 0; k < 3; ++k) border += sheet_across(s, t, k) == SHEET_NONE;
+    }
+    CHECK_EQ_INT(f.w->particles - (3 * triangles + border) / 2 + triangles, 1);
+    CHECK_EQ_INT(border, 2 * (20 + 13));
+    const double expected = 20 * 0.7 * 13 * 1 * pow(1e4 / f.facts.lu_um, 2) * (1 << 30);
+    CHECK(fabs((double)area / expected - 1) < 1e-6);
+    printf("figure mesh %s: %u triangles, %u inner steps (asked: printed)\n", meshes[n], triangles,
+           f.facts.inner_steps);
+    fixture_close(&f);
+  }
+}
+
+static void expect_refusal(const char *text, int line, const char *words) {
+  scene *s = malloc(sizeof *s);
+  scene_error error;
+  uint8_t *image = NULL;
+  size_t bytes = 0;
+  build_report report;
+  memset(&error, 0, sizeof error);
+  const int good = scene_parse("t", text, strlen(text), s, &error) &&
+                   build_image(s, "t", &image, &bytes, &report, NULL, NULL, &error);
+  CHECK(!good);
+  CHECK_EQ_INT(error.line, line);
+  if (strstr(error.message, words) == NULL) CHECK_TEXT(error.message, words);
+  free(image);
+  free(s);
+}
+
+static void bad_text_is_refused(void) {
+  expect_refusal("scene x\n", 1, "expected one, or 'triangles'");
+  expect_refusal("scene x\ntriangles {\n columns 4\n rows 4\n edge 1 cm\n material velvet\n}\n", 6,
+                 "denim, t-shirt");
+  expect_refusal("scene x\ntriangles {\n columns 4\n rows 4\n edge 1 cm\n}\n", 2,
+                 "has no 'material'");
+  expect_refusal("scene x\ntriangles {\n columns 0\n rows 4\n edge 1 cm\n material denim\n}\n", 3,
+                 "expected 1 to 1000");
+  expect_refusal("scene x\ntriangles {\n columns 4\n rows 4\n edge 0.1 1 cm\n material denim\n}\n",
+                 2, "within a factor of 4");
+  expect_refusal("scene x\ntriangles {\n columns 4\n rows 4\n edge 1 cm\n mesh turned 30 deg\n "
+                 "material denim\n}\npin crossing 1 1\n",
+                 9, "row top");
+  expect_refusal("scene x\nmaterial m { isotropic 100 N/m 0.3 }\ntriangles {\n columns 4\n rows "
+                 "4\n edge 1 cm\n material m\n}\n",
+                 2, "has no 'density'");
+  expect_refusal("scene x\nmaterial m { density 100 g/m2 stretch all 10 20 10 5 N/m }\ntriangles "
+                 "{\n columns 4\n rows 4\n edge 1 cm\n"
+                 " material m\n}\n",
+                 7, "pulls itself together");
+  expect_refusal("scene x\nwind 1 0 0 m/s\nsheet {\n warps 4\n wefts 4\n spacing 12 /cm\n}\n", 2,
+                 "expected it with 'triangles'");
+  expect_refusal("scene x\nsheet {\n warps 4\n wefts 4\n spacing 12 /cm\n}\ntriangles {\n columns "
+                 "4\n rows 4\n edge 1 cm\n material denim\n}\n",
+                 7, "expected one of both");
+}
+
+/* What is stiffer than the steps allow is scaled by one factor, the square of the steps'. */
+static void too_stiff_is_scaled(void) {
+  fixture f;
+  open_small(&f, "regular", "paper", "", "");
+  CHECK_EQ_INT(f.facts.inner_steps * f.facts.substeps >= 64, 1);
+  CHECK(f.facts.stiffness_q30 < 1 << 30);
+  /* 1.7e-3 root(1.0989e6 / 0.08) / 0.01 = 630.05 */
+  const double expected = 64.0 / 630.05 * (64.0 / 630.05);
+  CHECK(fabs(f.facts.stiffness_q30 / 1073741824.0 / expected - 1) < 1e-3);
+  CHECK(fabs(f.w->fabrics[0].stretch[3][0] / 4096.0 / (1e6 / 0.91 * expected) - 1) < 1e-3);
+  fixture_close(&f);
+  open_small(&f, "regular", "denim", "", "");
+  CHECK_EQ_INT(f.facts.stiffness_q30, 1 << 30);
+  fixture_close(&f);
+}
+
+/* Inner steps: 1.7e-3 root(C / rho) / edge in a ms, C the stiffest slope: denim 2 * 1059.59741 -
+ * 1013.88629. */
+static void steps_are_the_formulas(void) {
+  fixture f;
+  open_small(&f, "regular", "own", "", "material own { density 200 g/m2 isotropic 2002 N/m 0 }\n");
+  CHECK_EQ_INT(f.facts.inner_steps, 18); /* 17.009 */
+  fixture_close(&f);
+  open_small(&f, "regular", "own", "",
+             "rate 500 Hz\nsubsteps 2\nmaterial own { density 200 g/m2 isotropic 2002 N/m 0 }\n");
+  CHECK_EQ_INT(f.facts.inner_steps, 18); /* 34.02 in two */
+  fixture_close(&f);
+}
+
+static void any_flipped_bit_is_found_or_harmless(void) {
+  fixture f;
+  open_small(&f, "irregular 2", "t-shirt", "", "");
+  uint8_t *image = malloc(f.image_bytes);
+  void *memory = aligned_alloc(64, f.memory_bytes + 4096);
+  uint32_t refused = 0;
+  uint32_t run = 0;
+  for (size_t byte = 0; byte < f.image_bytes; ++byte) {
+    for (uint32_t bit = 0; bit<8; bit += byte> 4096 ? 3 : 1) {
+      fray_world *w = NULL;
+      memcpy(image, f.image, f.image_bytes);
+      image[byte] ^= (uint8_t)(1u << bit);
+      /* the CRC mended: the checks behind it are what is tried */
+      const uint32_t crc = bytes_crc32(image + IMAGE_CRC_FROM, f.image_bytes - IMAGE_CRC_FROM);
+      bytes_store32(image + 4 * IMAGE_CRC_WORD, crc);
+      size_t need = 0;
+      if (fray_bytes(image, f.image_bytes, &need, NULL) != FRAY_OK || need > f.memory_bytes ||
+          fray_open(image, f.image_bytes, memory, f.memory_bytes + 4096, &w, NULL) != FRAY_OK) {
+        ++refused;
+        continue;
+      }
+      fray_output out;
+      for (int tick = 0; tick < 2; ++tick) fray_tick(w, &fixture_idle, &out);
+      ++run;
+    }
+  }
+  printf("figure damaged triangle images: %u refused, %u ran (asked: printed)\n", refused, run);
+  CHECK(refused > run);
+  free(image);
+  free(memory);
+  fixture_close(&f);
+}
+
+static void save_and_restore_go_on_alike(void) {
+  fixture a;
+  fixture b;
+  open_small(&a, "irregular 9", "swimsuit", "", "");
+  for (int tick = 0; tick < 77; ++tick) fixture_tick(&a, &fixture_idle);
+  fixture_copy(&b, &a);
+  CHECK(fray_hash(a.w) == fray_hash(b.w));
+  for (int tick = 0; tick < 50; ++tick)
+    CHECK(fixture_tick(&a, &fixture_idle).hash == fixture_tick(&b, &fixture_idle).hash);
+  fixture_close(&a);
+  fixture_close(&b);
+}
+
+/* Stress and bending give impulses whose sum is zero to the last bit, in every inner step. */
+static void impulses_cancel(void) {
+  fixture f;
+  fixture_print(&f, "scene free\ngravity 0 0 0 cm/s2\ntriangles {\n columns 7\n rows 5\n edge 1 "
+                    "cm\n mesh irregular 4\n material pants\n}\n");
+  for (uint32_t p = 0; p < f.w->particles; ++p) {
+    f.w->z[p] += (int32_t)((p * 2654435761u) >> 12) - (1 << 19);
+    f.w->x[p] += (int32_t)((p * 40503u * 2654435761u) >> 14);
+  }
+  for (int tick = 0; tick < 200; ++tick) {
+    const fray_work most = fray_limits(f.w);
+    const fray_output out = fixture_tick(&f, &fixture_idle);
+    int64_t sum[3] = {0, 0, 0};
+    for (uint32_t p = 0; p < f.w->particles; ++p) {
+      sum[0] += f.w->sum_x[p];
+      sum[1] += f.w->sum_y[p];
+      sum[2] += f.w->sum_z[p];
+    }
+    for (uint32_t n = 0; n < 3; ++n) CHECK_EQ_INT(sum[n], 0);
+    CHECK(fixture_within(&out.work, &most));
+  }
+  CHECK_EQ_INT(f.w->state->faults, 0);
+  fixture_close(&f);
+}
+
+int main(void) {
+  TEST(meshes_are_whole);
+  TEST(bad_text_is_refused);
+  TEST(too_stiff_is_scaled);
+  TEST(steps_are_the_formulas);
+  TEST(any_flipped_bit_is_found_or_harmless);
+  TEST(save_and_restore_go_on_alike);
+  TEST(impulses_cancel);
+  return test_end();
+}
