@@ -14,6 +14,7 @@ mkdir -p "$work/seeds/image" "$work/seeds/candump" "$work/seeds/scene"
 "$FRAY" run tests/cross/frayed.scene --ticks 150 --save "$work/seeds/image/frayed.img" >/dev/null
 "$FRAY" scene tests/cross/allyarn.scene -o "$work/seeds/image/allyarn.img" >/dev/null
 "$FRAY" run tests/cross/stretched.scene --ticks 150 --save "$work/seeds/image/stretched.img" >/dev/null
+"$FRAY" run tests/cross/rag.scene --ticks 60 --save "$work/seeds/image/rag.img" >/dev/null
 "$FRAY" hand -o "$work/small.log" tests/cross/small.hand
 "$FRAY" run "$work/seeds/image/small.img" --log "$work/small.log" --ticks 300 \
   --save "$work/seeds/image/torn.img" --record "$work/recording" >/dev/null
