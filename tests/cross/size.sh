@@ -62,6 +62,10 @@ measure_code() { # NAME OPT CC FLAGS...
 # Instructions and constants of the code, start-up and helpers too; images and logs are not in .text.
 measure_firmware() { # OPT
   sh tests/target/target.sh needs m3 >/dev/null || return 0
+  firmware m3 "$1" 1
+  bytes=$(arm-none-eabi-size -A "$stack_work/m3-$1.elf" | awk '$1 == ".text" { print $2 }')
+  echo "  m3$1: a whole firmware with triangle sheets has $bytes bytes of instructions"
+  echo "code.m3$1.firmware_sheets $bytes arm-none-eabi-gcc" >>"$measured"
   firmware m3 "$1"
   bytes=$(arm-none-eabi-size -A "$stack_work/m3-$1.elf" | awk '$1 == ".text" { print $2 }')
   echo "  m3$1: a whole firmware has $bytes bytes of instructions"
@@ -173,7 +177,7 @@ measure_microbit() { # BYTES of its world
   suite_make BUILD="$FRAY_BUILD" "$FRAY_BUILD/tests/cross/emit"
   "$FRAY_BUILD/tests/cross/emit" sheet "$work/8x8.img" "$stack_work/torn.log" 1:680:720 1050 >"$work/microbit.c"
   if ! sh tests/target/target.sh firmware microbit -Os "$elf" tests/stack/firmware.c "$work/microbit.c" \
-    platform/loop.c rt/*/*.c -DFIRMWARE_MEMORY="$1" -DFIRMWARE_SAVES=0; then
+    platform/loop.c rt/*/*.c -DFIRMWARE_MEMORY="$1" -DFIRMWARE_SAVES=0 -DFRAY_TRIANGLES=0; then
     fail "8x8 does not fit a microbit"
     return
   fi

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# The firmware whose stack and code are bounded: firmware NAME OPT builds $stack_work/NAME-OPT.elf for a
-# machine of target.sh, with the compiler's call graph beside it.
+# The firmware whose stack and code are bounded: firmware NAME OPT [TRIANGLES] builds
+# $stack_work/NAME-OPT.elf for a machine of target.sh, with the compiler's call graph beside it; with
+# triangle sheets iff TRIANGLES is 1.
 stack_work=$FRAY_BUILD/stack
 
 firmware_cases() {
@@ -22,5 +23,5 @@ firmware_cases() {
 firmware() { # NAME OPT
   rm -f "$stack_work/$1-$2.elf"*
   sh tests/target/target.sh build "$1" "$2" "$stack_work/$1-$2.elf" tests/stack/firmware.c \
-    "$stack_work/cases.c" platform/loop.c rt/*/*.c -fcallgraph-info=su,da
+    "$stack_work/cases.c" platform/loop.c rt/*/*.c -fcallgraph-info=su,da -DFRAY_TRIANGLES="${3:-0}"
 }
