@@ -69,7 +69,7 @@ static int32_t third(const int32_t *v, const row_id *of) {
   return (int32_t)(((int64_t)v[of[0]] + v[of[1]] + v[of[2]]) / 3);
 }
 
-static vec3 unit_of(vec3 v, uint32_t *length) {
+static vec3 face_unit(vec3 v, uint32_t *length) {
   const fx_root root = fx_rsqrt(vec_squared(v), FX_ROOT_FINE);
   *length = fx_root_length(root);
   return vec_make(fx_root_unit(root, v.x), fx_root_unit(root, v.y), fx_root_unit(root, v.z));
@@ -96,7 +96,7 @@ static void blow_triangle(fray_world *w, uint32_t t) {
   uint32_t area;
   uint32_t speed;
   if (vec_squared(normal) == 0) return;
-  const vec3 n = unit_of(normal, &area);
+  const vec3 n = face_unit(normal, &area);
   const vec3 wind = {fx_saturate((int64_t)c->wind[0] - third(w->vx, of)),
                      fx_saturate((int64_t)c->wind[1] - third(w->vy, of)),
                      fx_saturate((int64_t)c->wind[2] - third(w->vz, of))};
@@ -109,7 +109,7 @@ static void blow_triangle(fray_world *w, uint32_t t) {
                       fx_clamp(fx_wrap_sub(wind.y, normal_part.y), -FX_SPEED_MAX, FX_SPEED_MAX),
                       fx_clamp(fx_wrap_sub(wind.z, normal_part.z), -FX_SPEED_MAX, FX_SPEED_MAX)};
   if (c->wind_drag != 0 && vec_squared(along) != 0) {
-    const vec3 way = unit_of(along, &speed);
+    const vec3 way = face_unit(along, &speed);
     const int32_t slow = fx_saturate(speed);
     const int32_t drawn =
         share(fx_mul64(squared_q28(slow), area), c->wind_drag, (unsigned)c->wind_shift);

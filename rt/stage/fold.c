@@ -48,7 +48,7 @@ static vec3 cross(vec3 a, vec3 b) {
 static int64_t dot(vec3 a, vec3 b) {
   return fx_round64(fx_mul_wide(a.x, b.x) + fx_mul_wide(a.y, b.y) + fx_mul_wide(a.z, b.z), 28);
 }
-static vec3 unit_of(vec3 v, uint32_t *length) {
+static vec3 fold_unit(vec3 v, uint32_t *length) {
   const fx_root root = fx_rsqrt(vec_squared(v), FX_ROOT_FINE);
   *length = fx_root_length(root);
   return vec_make(fx_root_unit(root, v.x), fx_root_unit(root, v.y), fx_root_unit(root, v.z));
@@ -102,7 +102,7 @@ static vec3 of(vec3 j, int32_t share_q24) {
                   (int32_t)fx_round64(fx_mul_wide(j.z, share_q24), 24));
 }
 
-static int32_t along(vec3 from_end, vec3 e, uint32_t squared) {
+static int32_t fold_foot(vec3 from_end, vec3 e, uint32_t squared) {
   return fx_clamp(ratio(dot(from_end, e), squared, 24), -2 * (1 << 24), 2 * (1 << 24));
 }
 
@@ -123,8 +123,8 @@ static void fold_side(fray_world *w, uint32_t t, uint32_t k) {
   if (vec_squared(across1) < 1u << 16 || vec_squared(across2) < 1u << 16 ||
       vec_squared(e) < 1u << 16)
     return;
-  const vec3 n1 = unit_of(across1, &area1);
-  const vec3 n2 = unit_of(across2, &area2);
+  const vec3 n1 = fold_unit(across1, &area1);
+  const vec3 n2 = fold_unit(across2, &area2);
   const vec3 off = vec_make(fx_asr(fx_wrap_sub(n1.x, n2.x), 1), fx_asr(fx_wrap_sub(n1.y, n2.y), 1),
                             fx_asr(fx_wrap_sub(n1.z, n2.z), 1));
   if (vec_squared(off) == 0) return;
@@ -145,7 +145,7 @@ static void fold_side(fray_world *w, uint32_t t, uint32_t k) {
   const int64_t turning = vec_dot_unit(d2, n1) > 0 ? -size : size;
   const vec3 j1 = opposite(turning, edge, area1, n1);
   const vec3 j2 = opposite(turning, edge, area2, n2);
-  const vec3 j3 = vec_add(of(j1, along(d1, e, squared)), of(j2, along(d2, e, squared)));
+  const vec3 j3 = vec_add(of(j1, fold_foot(d1, e, squared)), of(j2, fold_foot(d2, e, squared)));
   const vec3 back = vec_add(vec_add(j1, j2), j3);
   give(w, x1, j1);
   give(w, x2, j2);

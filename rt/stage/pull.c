@@ -26,7 +26,7 @@ enum {
   WAY_REACH = (1 << 29) - 1
 };
 
-static void weigh(fray_world *w) {
+static void weigh_vertices(fray_world *w) {
   const uint64_t unit = (uint64_t)(uint32_t)w->cloths->unit << INVERSE_BITS;
   for (uint32_t p = 0; p < w->particles; ++p) {
     const uint32_t inverse = fx_divide_wide(unit, w->sheet.mass[p]);
@@ -82,7 +82,7 @@ void weigh_run(fray_world *w) {
   if (!world_has_sheet(w)) return;
   const sheet_mesh *s = &w->sheet;
   const unsigned shift = (unsigned)w->cloths->pull_shift;
-  weigh(w);
+  weigh_vertices(w);
   for (uint32_t t = 0; t < (uint32_t)s->state->triangles; ++t) {
     int32_t *c = w->pull[t].c;
     const int32_t area = (int32_t)fx_round64(fx_mul_wide((int32_t)s->area[t], left_of(w, t)), 30);
@@ -201,10 +201,10 @@ typedef struct {
 
 static int32_t fine(int32_t x, int32_t r) { return fx_wrap_add(fx_wrap_shift(x, FX_SUB_BITS), r); }
 
-static void begin_axis(const fray_world *w, const axis *a) {
+static void begin_inner(const fray_world *w, const axis *a) {
   for (uint32_t p = 0; p < w->particles; ++p) {
     a->q[p] = fine(a->x[p], p < (uint32_t)w->params->held ? 0 : a->r[p]);
-    a->low[p] = 1 << (LOW_BITS - 1); /* so that what end_axis() drops is rounded */
+    a->low[p] = 1 << (LOW_BITS - 1); /* so that what end_inner() drops is rounded */
   }
 }
 
@@ -227,7 +227,7 @@ static void step_vertices(fray_world *w, const axis *a, uint32_t n, uint32_t sub
 }
 
 /* Back to Q24 and 8 bits; what is below Q28 is dropped, less than half a step of velocity. */
-static uint32_t end_axis(const fray_world *w, const axis *a) {
+static uint32_t end_inner(const fray_world *w, const axis *a) {
   uint32_t at_edge = 0;
   for (uint32_t p = (uint32_t)w->params->held; p < w->particles; ++p) {
     const int32_t way = fx_add(fx_wrap_sub(a->q[p], fine(a->x[p], a->r[p])), a->r[p]);
@@ -249,14 +249,14 @@ void pull_run(fray_world *w, uint32_t substep) {
   const uint32_t triangles = (uint32_t)w->sheet.state->triangles;
   const int32_t inner = w->cloths->inner;
   uint32_t at_edge = 0;
-  for (uint32_t n = 0; n < 3; ++n) begin_axis(w, &axes[n]);
+  for (uint32_t n = 0; n < 3; ++n) begin_inner(w, &axes[n]);
   for (int32_t step = 0; step < inner; ++step) {
     for (uint32_t n = 0; n < 3; ++n) begin_sums(w, &axes[n]);
     for (uint32_t t = 0; t < triangles; ++t) pull_triangle(w, t);
     if (w->cloths->bend_every != 0 && step % w->cloths->bend_every == 0) fold_sides(w);
     for (uint32_t n = 0; n < 3; ++n) step_vertices(w, &axes[n], n, substep, step);
   }
-  for (uint32_t n = 0; n < 3; ++n) at_edge |= end_axis(w, &axes[n]);
+  for (uint32_t n = 0; n < 3; ++n) at_edge |= end_inner(w, &axes[n]);
   if (at_edge != 0) w->state->faults |= (int32_t)FRAY_FAULT_LEFT_WORLD;
   w->work.predictions += (w->particles - (uint32_t)w->params->held) * (uint32_t)inner;
   w->work.pulls += triangles * (uint32_t)inner;
