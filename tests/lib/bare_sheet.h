@@ -35,7 +35,8 @@ BARE uint32_t bare_below(uint64_t *seed, uint32_t n) {
   return (uint32_t)((bare_random(seed) >> 32) * n >> 32);
 }
 BARE int32_t bare_between(uint64_t *seed, int32_t least, int32_t most) {
-  return least + (int32_t)bare_below(seed, (uint32_t)(most - least) + 1u);
+  const uint32_t span = (uint32_t)((int64_t)most - least) + 1u;
+  return (int32_t)(least + (int64_t)bare_below(seed, span));
 }
 
 BARE void *bare_take(bare_sheet *b, size_t *used, size_t count, size_t bytes) {
