@@ -84,6 +84,21 @@ static void bad_text_is_refused(void) {
   expect_refusal("scene x\nsheet {\n warps 4\n wefts 4\n spacing 12 /cm\n}\ntriangles {\n columns "
                  "4\n rows 4\n edge 1 cm\n material denim\n}\n",
                  7, "expected one of both");
+  expect_refusal("scene x\nslit warp 1 0 1\ntriangles {\n columns 4\n rows 4\n edge 1 cm\n material "
+                 "denim\n}\n",
+                 2, "expected it with a woven sheet");
+}
+
+/* Vertices that a pin names hang from its body, however far it is. */
+static void pins_by_a_body_hold(void) {
+  fixture f;
+  fixture_print(&f, "scene x\ntriangles {\n columns 4\n rows 3\n edge 1 cm\n material denim\n}\n"
+                    "pin row bottom\npin row top by b\nball b {\n radius 1 cm\n at 0 0 9 cm\n}\n");
+  CHECK_EQ_INT(f.w->params->held, 2 * 5);
+  uint32_t by_ball = 0;
+  for (uint32_t p = 0; p < 2 * 5; ++p) by_ball += f.w->grip_body[p] == 0;
+  CHECK_EQ_INT(by_ball, 5);
+  fixture_close(&f);
 }
 
 /* What is stiffer than the steps allow is scaled by one factor, the square of the steps'. */
@@ -189,6 +204,7 @@ static void impulses_cancel(void) {
 int main(void) {
   TEST(meshes_are_whole);
   TEST(bad_text_is_refused);
+  TEST(pins_by_a_body_hold);
   TEST(too_stiff_is_scaled);
   TEST(steps_are_the_formulas);
   TEST(any_flipped_bit_is_found_or_harmless);
