@@ -20,9 +20,10 @@ fray_work fray_limits(const fray_world *w) {
   const params *p = w->params;
   const uint32_t substeps = (uint32_t)p->substeps;
   const uint32_t link_batches = (uint32_t)p->link_batches;
-  const uint32_t spares =
-      world_has_yarns(w) ? w->capacity[POOL_PARTICLES] - (uint32_t)p->particles : 0;
-  const uint32_t particles = (uint32_t)(p->particles - p->held) + spares;
+  const uint32_t born = w->capacity[POOL_PARTICLES] - (uint32_t)p->particles;
+  const uint32_t spares = world_has_yarns(w) ? born : 0;
+  const uint32_t particles =
+      (uint32_t)(p->particles - p->held) + (world_has_sheet(w) ? born : spares);
   fray_work most;
   most.predictions = particles * substeps;
   most.projections = stepped(w, 0, link_batches) * (uint32_t)p->sweeps * substeps;

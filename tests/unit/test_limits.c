@@ -38,6 +38,22 @@ static void scenes_stay_within(void) {
   for (size_t n = 0; n < sizeof scenes / sizeof scenes[0]; ++n) run_scene(scenes[n]);
 }
 
+/* Vertices that tears have made count too. */
+static void triangle_sheets_stay_within(void) {
+  fixture f;
+  uint32_t cuts = 0;
+  fixture_file(&f, "tests/cross/rag.scene", NULL);
+  for (uint32_t tick = 0; tick < 250; ++tick) {
+    const fray_work most = fray_limits(f.w);
+    const fray_output out = fixture_tick(&f, &fixture_idle);
+    CHECK(fixture_within(&out.work, &most));
+    cuts = out.cuts_total;
+  }
+  CHECK(cuts > 4);
+  CHECK_EQ_INT(f.w->sheet.state->born, 20); /* all that there are */
+  fixture_close(&f);
+}
+
 /* A sheet blown up to twenty times its size: every link is over its threshold in the first tick, the
  * cap holds, and the worst is cut first. */
 static void everything_tears_at_once(void) {
@@ -62,6 +78,7 @@ static void everything_tears_at_once(void) {
 
 int main(void) {
   TEST(scenes_stay_within);
+  TEST(triangle_sheets_stay_within);
   TEST(everything_tears_at_once);
   return test_end();
 }

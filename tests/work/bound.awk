@@ -3,9 +3,9 @@
 # of each case's tick: bound[case], bound[case, stage]; event_bound[case] is the part for contacts,
 # cuts, splits and the list of springs to cut, without the tests for tearing, which are test_part[case].
 function stages(    n, list) {
-  n = split("fray_tick devices_run damp_run springs_run collide_gather predict_run strain_run " \
-            "slip_run collide_run transition_run split_run tear_run cut_run finish_run force_run " \
-            "report_run", list, " ")
+  n = split("fray_tick devices_run damp_run springs_run stress_run rip_run weigh_run blow_run " \
+            "collide_gather predict_run strain_run limit_run slip_run collide_run transition_run " \
+            "split_run tear_run cut_run finish_run force_run report_run", list, " ")
   for (k = 1; k <= n; k++) name[k] = list[k]
   return n
 }
@@ -15,7 +15,7 @@ BEGIN { stage_count = stages() }
 function rounds(what) {
   if (what == "substeps") return substeps
   if (what == "sweeps") return sweeps * substeps
-  if (what == "yarns" || what == "spares") return what == "yarns" ? yarns : spares
+  if (what == "yarns" || what == "spares") return what == "yarns" ? yarns : yarns * spares
   if (what == "slips") return slips
   if (what == "binds") return all_yarn ? slips : 0
   if (what == "splits") return splits
@@ -42,7 +42,8 @@ function rounds(what) {
   if (what == "springs") return most["springs"]
   if (what == "projections_free") return most["projections"] - held_projections
   if (what == "projections_held") return held_projections
-  if (what == "axis_predictions") return 3 * most["predictions"]
+  # of triangles all of a substep but its end is in inner steps
+  if (what == "axis_predictions") return 3 * (triangles ? (particles - held) * substeps : most["predictions"])
   if (what == "gathers") return most[what] - planes * (particles - held)
   if (what == "contacts" || what == "tear_tests" || what == "cuts") return most[what]
   if (what == "plane_gathers") return planes * (particles - held)
@@ -61,17 +62,36 @@ function rounds(what) {
   if (what == "once") return hands
   if (what == "mirrored") return mirrored ? most["tear_tests"] : 0
   if (what == "keys") return keys
-  if (what == "hash_words") return 6 * particles + 40 + 12 * bodies + 5 * yarns
+  if (what == "hash_words") return 6 * particles + 40 + 12 * bodies + 5 * yarns + (triangles ? 13 + 6 * triangles : 0)
   if (what == "hash_bytes") return 3 * particles
-  if (what == "zeroed") return output_bytes + motion_bytes * bodies + 64
-  if (what == "zeroed_words") return (output_bytes + motion_bytes * bodies) / 4 + 64
+  if (what == "zeroed") return output_bytes + motion_bytes * bodies + 64 + (triangles ? 24 * particles : 0)
+  if (what == "zeroed_words") return (output_bytes + motion_bytes * bodies) / 4 + 64 + (triangles ? 6 * particles : 0)
   if (what == "rise_steps") return most["cuts"] * depth
   if (what == "sink_steps") return most["tear_tests"] * depth
+  if (what == "triangles") return triangles
+  if (what == "limit_triangles") return triangles * substeps
+  if (what == "load_triangles") return 4 * triangles
+  if (what == "cloths") return cloths
+  if (what == "vertices") return (triangles != 0) * particles
+  if (what == "free_vertices") return (triangles != 0) * (particles - held)
+  if (what == "held") return (triangles != 0) * held
+  if (what == "tried_vertices") return cloths * (particles - held)
+  # at each of three corners a side and the middle
+  if (what == "lines") return 6 * triangles
+  if (what == "sheet_steps") return sheet_inner * substeps
+  if (what == "pulls") return triangles * sheet_inner * substeps
+  # each side is folded once, but its loop is counted as if all three of a triangle were
+  if (what == "fold_triangles") return triangles * folds * substeps
+  if (what == "begun_vertices") return (triangles != 0) * 3 * particles * substeps
+  if (what == "summed_vertices") return 3 * particles * sheet_inner * substeps
+  if (what == "held_pulls") return 3 * held * sheet_inner * substeps
+  if (what == "axis_pulled") return 3 * (particles - held) * sheet_inner * substeps
+  if (what == "ended_vertices") return (triangles != 0) * 3 * (particles - held) * substeps
   print "bound.awk: no count " what >"/dev/stderr"
   exit 2
 }
 function least(a, b) { return a < b ? a : b }
-function times(stage) { return stage ~ /^(predict|strain|slip|collide|finish)_run$/ ? substeps : 1 }
+function times(stage) { return stage ~ /^(predict|strain|limit|slip|collide|finish)_run$/ ? substeps : 1 }
 
 $1 == "fixed" { fixed[$2] = $3; next }
 $1 == "loop" { loops++; loop_stage[loops] = $2; loop_name[loops] = $3; loop_cost[loops] = $4; next }
@@ -86,8 +106,10 @@ $1 == "limits" {
   output_bytes = $23; motion_bytes = $24
   yarns = $37; spares = $38; slips = $39; splits = $40; all_yarn = $41
   warps = $3; wefts = $42; stretches = $43; inner_steps = $44; crossings = $3 * $42; particles += spares
+  triangles = $45; sheet_inner = $46; folds = $47; cloths = $48
   most["predictions"] = $25; most["projections"] = $26; most["springs"] = $27; most["contacts"] = $28
   most["gathers"] = $29; most["tear_tests"] = $30; most["cuts"] = $32
+  if (triangles != 0) most["tear_tests"] = most["cuts"] = 0 # those of rows
   depth = 0
   for (room = 2; room <= cuts_max; room *= 2) depth++
   for (k = 1; k <= stage_count; k++) bound[scene, name[k]] = fixed[name[k]] * times(name[k])

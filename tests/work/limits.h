@@ -26,7 +26,11 @@ static inline void limits_print(const char *name, const fray_world *w) {
   line l = line_begin("limits", name);
   const int32_t batches = (int32_t)w->capacity[POOL_BATCHES];
   const uint32_t yarns = world_has_yarns(w) != 0;
-  const uint32_t spares = yarns != 0 ? w->capacity[POOL_PARTICLES] - (uint32_t)p->particles : 0;
+  const uint32_t sheet = world_has_sheet(w) != 0;
+  const uint32_t spares =
+      yarns != 0 || sheet != 0 ? w->capacity[POOL_PARTICLES] - (uint32_t)p->particles : 0;
+  const uint32_t inner = sheet != 0 ? (uint32_t)w->cloths->inner : 0;
+  const uint32_t every = sheet != 0 ? (uint32_t)w->cloths->bend_every : 0;
   uint32_t sorts[3] = {0, 0, 0}; /* driven, free, planes */
   uint32_t paths = 0;
   for (uint32_t b = 0; b < (uint32_t)p->bodies; ++b) {
@@ -49,7 +53,10 @@ static inline void limits_print(const char *name, const fray_world *w) {
                             limits_held_rows(w, p->link_batches, batches), paths,
                             p->tear_mirrored != 0, p->hands != 0, yarns, spares, most.slips, most.splits,
                             yarns != 0 && w->yarns->all_yarn != 0, (uint32_t)p->wefts, most.stretches,
-                            world_has_stretch(w) ? 1u << (uint32_t)w->stretch->steps_bits : 0};
+                            world_has_stretch(w) ? 1u << (uint32_t)w->stretch->steps_bits : 0,
+                            sheet != 0 ? w->capacity[POOL_TRIANGLES] : 0, inner,
+                            every != 0 ? (inner + every - 1u) / every : 0,
+                            sheet != 0 ? (uint32_t)w->sheet.params->cloths : 0};
   for (uint32_t m = 0; m < sizeof words / sizeof words[0]; ++m) line_number(&l, words[m]);
   print_line(&l);
 }

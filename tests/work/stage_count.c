@@ -35,9 +35,10 @@ EXPORTED int qemu_plugin_install(uint64_t id, const void *info, int argc, char *
 
 /* What is counted apart; the first is fray_tick itself, the last is what lies outside of a tick. */
 static const char *const names[] = {
-    "fray_tick",   "devices_run",    "damp_run",  "springs_run", "collide_gather", "predict_run",
-    "strain_run",  "slip_run",       "collide_run", "transition_run", "split_run", "tear_run",
-    "cut_run",     "finish_run",     "force_run", "report_run",  "world_hash"};
+    "fray_tick",  "devices_run", "damp_run",       "springs_run", "stress_run", "rip_run",
+    "weigh_run",  "blow_run",    "collide_gather", "predict_run", "strain_run", "limit_run",
+    "slip_run",   "collide_run", "transition_run", "split_run",   "tear_run",   "cut_run",
+    "finish_run", "force_run",   "report_run",     "world_hash"};
 enum { STEP, STAGES = sizeof names / sizeof names[0], OUTSIDE = STAGES, PLACES };
 
 static uint64_t entry[STAGES];

@@ -7,8 +7,10 @@
 
 work=$FRAY_BUILD/work
 machines=${MACHINES:-m0 m3 m4f m7f m33 rv32}
-stages="devices_run damp_run springs_run collide_gather predict_run strain_run slip_run collide_run
-  transition_run split_run tear_run cut_run finish_run force_run report_run"
+stages="devices_run damp_run springs_run stress_run rip_run weigh_run blow_run collide_gather predict_run
+  strain_run limit_run slip_run collide_run transition_run split_run tear_run cut_run finish_run force_run
+  report_run"
+cases=$work/cases.c
 mkdir -p "$work"
 
 cuts_of() { case $1 in 8) echo 2 ;; 16) echo 8 ;; *) echo 16 ;; esac; }
@@ -45,7 +47,7 @@ count_pieces() { # MACHINE NAME OPTION...: pieces and their instructions in NAME
   machine=$1 name=$2 elf=$work/$2.elf
   shift 2
   sh tests/target/target.sh build "$machine" -O2 "$elf" -g "$@" tests/work/work_main.c tests/target/port_bare.c \
-    -DFRAY_TRIANGLES=0 "$work/cases.c" rt/base/*.c rt/model/*.c rt/stage/*.c rt/run/*.c rt/wide/*.c || return 1
+    "$cases" rt/base/*.c rt/model/*.c rt/stage/*.c rt/run/*.c rt/wide/*.c || return 1
   case $machine in rv32) tools=riscv64-unknown-elf ;; *) tools=arm-none-eabi ;; esac
   compiler=$tools-gcc
   $tools-nm -S "$elf" | awk 'NF == 4 { print $1, $2, $4 }' >"$work/$name.symbols"
@@ -54,18 +56,18 @@ count_pieces() { # MACHINE NAME OPTION...: pieces and their instructions in NAME
   awk -f tests/work/join.awk "$work/$name.counts" "$work/$name.lines" >"$work/$name.joined"
 }
 
-count() { # MACHINE: pieces in MACHINE.joined, the bounds of its stages in MACHINE.bound
-  count_pieces "$1" "$1" || return 1
-  $tools-objdump -d -l --no-show-raw-insn "$elf" >"$work/$1.dis"
+count() { # MACHINE NAME OPTION...: pieces in NAME.joined, the bounds of its stages in NAME.bound
+  count_pieces "$@" || return 1
+  $tools-objdump -d -l --no-show-raw-insn "$elf" >"$work/$name.dis"
   cp tests/work/loops.txt "$work/loops.txt"
-  if [ "$1" = m0 ]; then cat tests/work/loops_m0.txt >>"$work/loops.txt"; fi
+  if [ "$machine" = m0 ]; then cat tests/work/loops_m0.txt >>"$work/loops.txt"; fi
   # the step alone: its stages cost nothing
   for stage in $stages; do echo "$stage | | cost 0"; done | cat "$work/loops.txt" - >"$work/step.txt"
   # shellcheck disable=SC2086
   {
-    "$FRAY_BUILD/tests/work/longest" "$work/loops.txt" . $stages <"$work/$1.dis" &&
-      "$FRAY_BUILD/tests/work/longest" "$work/step.txt" . fray_tick <"$work/$1.dis"
-  } >"$work/$1.bound"
+    "$FRAY_BUILD/tests/work/longest" "$work/loops.txt" . $stages <"$work/$name.dis" &&
+      "$FRAY_BUILD/tests/work/longest" "$work/step.txt" . fray_tick <"$work/$name.dis"
+  } >"$work/$name.bound"
 }
 
 check() { # MACHINE
@@ -73,7 +75,7 @@ check() { # MACHINE
     not_run "work on $1" "$packages"
     return
   fi
-  if ! count "$1"; then
+  if ! count "$1" "$1" -DFRAY_TRIANGLES=0; then
     fail "work on $1: it does not build, run or measure: $(tail -n 3 "$work/$1.lines")"
   elif awk -v machine="$1" -v compiler="$compiler" -v shown=hands_16 -v budget_file="$work/$1.budget" \
     -f tests/work/bound.awk \
@@ -116,12 +118,30 @@ helium() {
     not_run "work on m55" "$packages"
     return
   fi
-  if count_pieces m55 m55_scalar && count_pieces m55 m55_helium -DWORK_KERNEL=FRAY_KERNEL_HELIUM &&
+  if count_pieces m55 m55_scalar -DFRAY_TRIANGLES=0 && count_pieces m55 m55_helium -DFRAY_TRIANGLES=0 -DWORK_KERNEL=FRAY_KERNEL_HELIUM &&
     awk -f tests/work/kernels.awk "$work/m55_scalar.joined" "$work/m55_helium.joined"; then
     pass
   else
     fail "work on m55, scalar beside helium: it does not build or run"
   fi
+}
+
+# Triangle sheets: the stages of a sheet that tears, beside their bounds.
+triangles() {
+  if ! packages=$(sh tests/target/target.sh needs m3); then
+    not_run "work of triangles on m3" "$packages"
+    return
+  fi
+  "$FRAY" scene tests/work/triangles.scene -o "$work/triangles.img" >"$work/triangles.said"
+  "$FRAY_BUILD/tests/cross/emit" triangles "$work/triangles.img" - - 100 >"$work/cases_triangles.c"
+  cases=$work/cases_triangles.c
+  if count m3 m3_triangles && awk -f tests/work/bound.awk -f tests/work/triangles.awk \
+    "$work/m3_triangles.bound" "$work/m3_triangles.joined"; then
+    pass
+  else
+    fail "work of triangles on m3"
+  fi
+  cases=$work/cases.c
 }
 
 # The tools must find what they look for: a loop that nobody named, and a bound that is too low.
@@ -147,6 +167,7 @@ rm -f "$work"/*.budget
 for machine in $machines; do check "$machine"; done
 largest
 helium
+triangles
 check_the_checks
 if sh tests/work/sweep.sh; then pass; else fail "sweeps"; fi
 for machine in $machines; do
