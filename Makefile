@@ -159,7 +159,10 @@ can-test: $(FRAY) $(HELPERS) ## the bare-metal CAN port in sessions on an emulat
 figures: $(FRAY) ## pictures of the scenes in tests/figures/list.txt; FIGURES="figure8" picks, SIZE=800x450
 	@FRAY=$(FRAY) BUILD=$(BUILD) SIZE="$(SIZE)" sh tests/figures/figures.sh $(FIGURES)
 
-.PHONY: weaves pools
+.PHONY: weaves pools patches
+patches: $(BUILD)/tests/oracle/test_patch ## every patch of triangle sheets under load (minutes)
+	@$< all
+
 pools: $(BUILD)/tests/oracle/test_yarn_pools ## a tearing sheet with pools of every size (a minute)
 	@$< all
 

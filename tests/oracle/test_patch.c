@@ -3,7 +3,7 @@
  * has it; the sheet comes to rest, and then stretch, stress and the reaction are those of a uniform
  * strain. Loads of 1, 10, 100 N/m along warp, weft, 45 degrees, both ways and in shear; every material,
  * regular and irregular meshes. Patches that do not reach what is asked are listed with what they do
- * reach, and may not become worse.
+ * reach, and may not become worse. `all` runs all of them; without it those that are listed and one in 11.
  *
  * Analytic: P n = T with P = F s, s the stress of Green's strain of F by the oracle's table, F found by
  * Newton's method; s at a dead load per rest length is the second Piola-Kirchhoff stress. */
@@ -13,6 +13,9 @@
 #include "tests/lib/world_fixture.h"
 #include "tests/oracle/fabric.h"
 
+#ifndef SWEEP_FEWER
+#define SWEEP_FEWER 1
+#endif
 enum { COLUMNS = 16, ROWS = 8, TICKS = 1200, RAMP = 300, HELD_TICKS = 10 };
 /* lu: cells of 1 cm at 5 cm a lu */
 #define WIDTH (COLUMNS * 0.2)
@@ -362,12 +365,18 @@ static const exception *exception_of(const patch *p) {
 }
 
 typedef struct {
-  int reached, listed, without;
+  int number, reached, listed, without;
 } count;
+
+/* It has no factor in common with the numbers of materials, meshes, cases and loads, so each of them is met. */
+enum { ONE_IN = 11 };
+static int every = ONE_IN * SWEEP_FEWER;
+static int runs_listed(void) { return every <= ONE_IN; }
 
 static void run_kind(const patch *p, count *all) {
   const exception *e = exception_of(p);
   result r;
+  if (all->number++ % every != 0 && (e == NULL || !runs_listed())) return;
   printf("figure patch %-8s %-11s %2g deg %-9s %3g N/m: ", p->material, p->mesh, p->weft, kind_names[p->what],
          p->load);
   if (!run_patch(p, e == NULL ? FROM_REST : e->from, &r)) {
@@ -391,7 +400,7 @@ static void patches(void) {
     double weft;
     kind what;
   } cases[] = {{0, ALONG}, {90, ALONG}, {45, ALONG}, {0, BOTH}, {0, SHEAR}};
-  count all = {0, 0, 0};
+  count all = {0, 0, 0, 0};
   for (size_t m = 0; m < 5; ++m)
     for (size_t n = 0; n < 2; ++n)
       for (size_t k = 0; k < 5; ++k)
@@ -399,12 +408,14 @@ static void patches(void) {
           const patch p = {materials[m], meshes[n], cases[k].weft, cases[k].what, load};
           run_kind(&p, &all);
         }
-  printf("figure patches %d reach what is asked, %d are listed, %d have no solution\n", all.reached, all.listed,
-         all.without);
-  CHECK_EQ_INT(all.listed, EXCEPTIONS);
+  printf("figure patches, of %d: %d reach what is asked, %d are listed, %d have no solution\n", all.number,
+         all.reached, all.listed, all.without);
+  if (runs_listed()) CHECK_EQ_INT(all.listed, EXCEPTIONS);
 }
 
-int main(void) {
+int main(int argc, char **argv) {
+  (void)argv;
+  if (argc > 1) every = 1;
   TEST(patches);
   return test_end();
 }
