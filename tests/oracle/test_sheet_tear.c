@@ -6,6 +6,9 @@
 #include "tests/lib/sheet_check.h"
 #include "tests/lib/world_fixture.h"
 
+#ifndef SWEEP_FEWER
+#define SWEEP_FEWER 1
+#endif
 static const char *const meshes[] = {"regular", "turned 30 deg", "irregular 3"};
 
 /* Held at its left, drawn at its right; heavily damped, so that the load comes on without a wave. */
@@ -109,7 +112,7 @@ static double load_at_tear(const char *mesh) {
 /* Without a Poisson's ratio the stress is the same everywhere. A load T on a rest length is F S, with S
  * the stress, E (F^2 - 1) / 2, so at S = 12 N/m it is 12.143. */
 static void it_tears_at_its_strength(void) {
-  for (uint32_t n = 0; n < 3; ++n) {
+  for (uint32_t n = 0; n < 3; n += SWEEP_FEWER) {
     const double load = load_at_tear(meshes[n]);
     printf("figure sheet_%s_load_at_tear %.3f N/m (strength 12)\n", meshes[n], load);
     CHECK(load > 12.143 * 0.99 && load < 12.143 * 1.01);
