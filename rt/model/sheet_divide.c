@@ -115,7 +115,7 @@ typedef struct {
 
 /* n / d to the nearest, for d in 1..2^31 and results of 31 bits. */
 static int32_t quotient(int64_t n, uint32_t d) {
-  const uint64_t size = n < 0 ? 0 - (uint64_t)n : (uint64_t)n;
+  const uint64_t size = n < 0 ? (uint64_t)-n : (uint64_t)n;
   const uint32_t q = fx_divide_wide(size + d / 2u, d);
   return n < 0 ? -(int32_t)q : (int32_t)q;
 }
