@@ -8,8 +8,8 @@ static const int32_t series[5] = {73341837, -40308673, 25412288, -13093830, 3423
 static int32_t eighth(int32_t t) {
   const int32_t z = (int32_t)fx_round64(fx_mul_wide(t, t), STRAIN_BITS);
   int32_t q = series[4];
-  for (uint32_t n = 4; n-- > 0;)
-    q = series[n] + (int32_t)fx_round64(fx_mul_wide(q, z), STRAIN_BITS);
+  for (uint32_t n = 4; n > 0; --n)
+    q = series[n - 1u] + (int32_t)fx_round64(fx_mul_wide(q, z), STRAIN_BITS);
   const int32_t factor =
       STRAIN_ONE + (int32_t)fx_round64(fx_mul_wide(q, STRAIN_ONE - z), STRAIN_BITS);
   return (int32_t)fx_round64(fx_mul_wide(t, factor), STRAIN_BITS);

@@ -166,7 +166,10 @@ static int join_sides(const draft *d, sheet_mesh *s, uint32_t triangles) {
 /* The lowest triangle of a closed fan, the first of an open one. */
 static void find_fans(const fray_world *w, uint32_t triangles) {
   const sheet_mesh *s = &w->sheet;
-  for (uint32_t n = 3 * triangles; n-- > 0;) s->fan[s->triangle[n / 3].v[n % 3]] = (row_id)(n / 3);
+  for (uint32_t left = 3 * triangles; left > 0; --left) {
+    const uint32_t n = left - 1;
+    s->fan[s->triangle[n / 3].v[n % 3]] = (row_id)(n / 3);
+  }
   for (uint32_t n = 0; n < 3 * triangles; ++n)
     if (sheet_across(s, n / 3, sheet_last(n % 3)) == SHEET_NONE)
       s->fan[s->triangle[n / 3].v[n % 3]] = (row_id)(n / 3);
