@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Symmetric 2 x 2 matrices, in any format; entries are at most SYM2_MAX in size. */
+/* Symmetric 2 x 2 matrices, in any format; entries are at most 2^29 in size. */
 #ifndef FRAY_BASE_SYM2_H
 #define FRAY_BASE_SYM2_H
 
 #include "rt/base/fx.h"
-
-#define SYM2_MAX ((int32_t)1 << 29)
 
 typedef struct {
   int32_t xx, yy, xy;

@@ -64,6 +64,11 @@ size_t image_blank(const uint32_t capacity[POOLS], void *memory, fray_world **wo
 fray_status image_refuse(fray_error *error, fray_status status, uint32_t section, uint32_t index,
                          const char *what);
 
+/* Of a word in a section. */
+typedef struct {
+  int32_t least, most;
+} word_range;
+
 /* Checks every value of a freshly loaded world; see model/validate.c. */
 fray_status image_validate(fray_world *w, fray_error *error);
 /* What triangle sheets have beside it: triangles and vertices that are one mesh, every fan whole, every

@@ -144,15 +144,14 @@ static void count_needs(const fray_world *w, const plan *p, uint32_t *particles,
   }
 }
 
-static sheet_result check_pools(const fray_world *w, const plan *p, uint32_t particles,
-                                uint32_t triangles) {
-  uint32_t more_particles;
-  uint32_t more_triangles;
-  count_needs(w, p, &more_particles, &more_triangles);
-  particles += more_particles;
-  triangles += more_triangles;
-  if (particles > w->capacity[POOL_PARTICLES] - w->particles) return SHEET_NO_PARTICLES;
-  if (triangles > w->capacity[POOL_TRIANGLES] - (uint32_t)w->sheet.state->triangles)
+/* For the plan and those of the centre's birth. */
+static sheet_result check_pools(const fray_world *w, const plan *p, uint32_t born_particles,
+                                uint32_t born_triangles) {
+  uint32_t particles;
+  uint32_t triangles;
+  count_needs(w, p, &particles, &triangles);
+  if (particles + born_particles > w->capacity[POOL_PARTICLES] - w->particles) return SHEET_NO_PARTICLES;
+  if (triangles + born_triangles > w->capacity[POOL_TRIANGLES] - (uint32_t)w->sheet.state->triangles)
     return SHEET_NO_TRIANGLES;
   return SHEET_DONE;
 }

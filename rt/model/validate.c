@@ -5,10 +5,6 @@
 #include "rt/model/couples.h"
 #include "rt/model/image.h"
 
-typedef struct {
-  int32_t least, most;
-} word_range;
-
 static const word_range params_ranges[PARAM_WORDS] = {
 #define X(name, least, most) {least, most},
     PARAMS(X)

@@ -3,10 +3,6 @@
  * vertices end, weights exist, and gains do not overflow. */
 #include "rt/model/image.h"
 
-typedef struct {
-  int32_t least, most;
-} word_range;
-
 #define X(name, least, most) {least, most},
 static const word_range params_ranges[SHEET_PARAM_WORDS] = {SHEET_PARAMS(X)};
 static const word_range state_ranges[SHEET_STATE_WORDS] = {SHEET_STATE(X)};
@@ -16,7 +12,7 @@ static const word_range toughness_ranges[TOUGHNESS_WORDS] = {TOUGHNESS(X)};
 
 /* Section ids, as in image_arrays. */
 enum {
-  IN_SHEET = 33, IN_SHEET_STATE, IN_TRIANGLE, IN_AREA, IN_MARK, IN_CLOTH, IN_U, IN_V, IN_FAN, IN_FABRICS,
+  IN_SHEET = 36, IN_SHEET_STATE, IN_TRIANGLE, IN_AREA, IN_MARK, IN_CLOTH, IN_U, IN_V, IN_FAN, IN_FABRICS,
   IN_CLOTHS, IN_HABITS, IN_TOUGHNESSES
 };
 

@@ -93,10 +93,16 @@ static direction stress_of(traction q) {
   return d;
 }
 
-separation_line separation_along(const separation_fan *f, uint32_t candidate) {
+typedef struct {
+  int32_t separation;
+  uint32_t opposite;
+  direction line;
+} pulled_line;
+
+static pulled_line pull_along(const separation_fan *f, uint32_t candidate) {
   const uint32_t n = candidate / 2u;
   const traction all = {f->before_u[f->count], f->before_v[f->count]};
-  separation_line line = {0, 0, candidate % 2u == 0 ? f->spoke[n] : f->middle[n]};
+  pulled_line line = {0, 0, candidate % 2u == 0 ? f->spoke[n] : f->middle[n]};
   const traction here = up_to(f, n, line.line);
   traction left = {all.u - here.u, all.v - here.v};
   if (f->closed != 0) {
@@ -118,7 +124,7 @@ separation_line separation_along(const separation_fan *f, uint32_t candidate) {
   return line;
 }
 
-int32_t separation_required(const int32_t strength[SEPARATION_STRENGTHS], direction line) {
+static int32_t strength_required(const int32_t strength[SEPARATION_STRENGTHS], direction line) {
   const int flip = line.u < 0 || (line.u == 0 && line.v < 0);
   const int32_t u = flip ? -line.u : line.u;
   const int32_t v = flip ? -line.v : line.v;
@@ -132,8 +138,8 @@ int32_t separation_required(const int32_t strength[SEPARATION_STRENGTHS], direct
 
 separation_ratio separation_ratio_of(const separation_fan *f, uint32_t candidate,
                                      const int32_t strength[SEPARATION_STRENGTHS]) {
-  const separation_line line = separation_along(f, candidate);
-  const int32_t required = separation_required(strength, line.line);
+  const pulled_line line = pull_along(f, candidate);
+  const int32_t required = strength_required(strength, line.line);
   const separation_ratio ratio = {line.separation, f->closed != 0 ? fx_add(required, required) : required,
                                   candidate, line.opposite, line.line};
   return ratio;

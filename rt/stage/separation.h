@@ -55,24 +55,17 @@ void separation_prepare(separation_fan *f);
 static inline uint32_t separation_first(const separation_fan *f) { return f->closed != 0 ? 0 : 1; }
 static inline uint32_t separation_end(const separation_fan *f) { return 2u * f->count; }
 
-typedef struct {
-  int32_t separation; /* stress times length */
-  uint32_t opposite;  /* of a closed fan: the triangle on the other side of the vertex */
-  direction line;
-} separation_line;
-separation_line separation_along(const separation_fan *f, uint32_t candidate);
-
-/* Strength that the material requires of a line in this direction (3.1 to 3.3): from those at 0, 45, 90,
- * 135 degrees, in between linear in the angle. 0 is along the warp; 45 between warp and weft, both
+/* The material requires a strength of a line by its direction (3.1 to 3.3): given are those at 0, 45, 90,
+ * 135 degrees, in between it is linear in the angle. 0 is along the warp; 45 between warp and weft, both
  * positive; 90 along the weft. */
 enum { SEPARATION_STRENGTHS = 4 };
-int32_t separation_required(const int32_t strength[SEPARATION_STRENGTHS], direction line);
 
 /* A candidate with what is required of it, for all of what tears. */
 typedef struct {
-  int32_t separation, required;
+  int32_t separation; /* stress times length */
+  int32_t required;
   uint32_t candidate;
-  uint32_t opposite;
+  uint32_t opposite; /* of a closed fan: the triangle on the other side of the vertex */
   direction line;
 } separation_ratio;
 separation_ratio separation_ratio_of(const separation_fan *f, uint32_t candidate,

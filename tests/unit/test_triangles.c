@@ -163,6 +163,32 @@ static void any_flipped_bit_is_found_or_harmless(void) {
   fixture_close(&f);
 }
 
+/* The least number there is at the beginning of a section is nowhere good. */
+static void what_is_wrong_is_named_by_its_section(void) {
+  fixture f;
+  open_small(&f, "irregular 2", "t-shirt", "", "");
+  uint8_t *image = malloc(f.image_bytes);
+  void *memory = aligned_alloc(64, f.memory_bytes + 4096);
+  uint32_t sections = 0;
+  for (uint32_t n = 0; n < bytes_load32(f.image + 4 * IMAGE_SECTIONS_WORD); ++n) {
+    const uint8_t *entry = f.image + 4 * (IMAGE_HEADER_WORDS + IMAGE_DIRECTORY_WORDS * n);
+    if (bytes_load32(entry) < 36) continue; /* those that woven sheets have too */
+    fray_world *w = NULL;
+    fray_error error;
+    memcpy(image, f.image, f.image_bytes);
+    bytes_store32(image + bytes_load32(entry + 12), 0x80000000u);
+    bytes_store32(image + 4 * IMAGE_CRC_WORD,
+                  bytes_crc32(image + IMAGE_CRC_FROM, f.image_bytes - IMAGE_CRC_FROM));
+    CHECK_EQ_INT(fray_open(image, f.image_bytes, memory, f.memory_bytes + 4096, &w, &error), FRAY_BAD_FIELD);
+    CHECK_EQ_INT(error.section, bytes_load32(entry));
+    ++sections;
+  }
+  CHECK_EQ_INT(sections, 13);
+  free(image);
+  free(memory);
+  fixture_close(&f);
+}
+
 static void save_and_restore_go_on_alike(void) {
   fixture a;
   fixture b;
@@ -208,6 +234,7 @@ int main(void) {
   TEST(too_stiff_is_scaled);
   TEST(steps_are_the_formulas);
   TEST(any_flipped_bit_is_found_or_harmless);
+  TEST(what_is_wrong_is_named_by_its_section);
   TEST(save_and_restore_go_on_alike);
   TEST(impulses_cancel);
   return test_end();
