@@ -14,8 +14,11 @@
   {#field, id, ROLE_CONSTANT, KIND_WORD, pool, POOL_STRETCH, words, AT(field)}
 #define SHEET(id, role, kind, pool, words, field) \
   {#field, id, role, kind, pool, POOL_TRIANGLES, words, AT(field)}
+#define MESH(id, role, kind, pool, words, field) \
+  {"sheet." #field, id, role, kind, pool, POOL_TRIANGLES, words, AT(sheet) + offsetof(sheet_mesh, field)}
 #define TICK(pool, type, field) {#field, 0, ROLE_TICK, KIND_STRUCT, pool, 0, sizeof(type), AT(field)}
 #define SHEET_TICK(pool, type, field) SHEET(0, ROLE_TICK, KIND_STRUCT, pool, sizeof(type), field)
+#define MESH_TICK(pool, type, field) MESH(0, ROLE_TICK, KIND_STRUCT, pool, sizeof(type), field)
 
 const image_array image_arrays[] = {
     WORDS(1, ROLE_CONSTANT, POOL_PARAMS, PARAM_WORDS, params),
@@ -53,21 +56,21 @@ const image_array image_arrays[] = {
     STRETCH(33, POOL_PARAMS, STRETCH_PARAM_WORDS, stretch),
     STRETCH(34, POOL_STRETCH, STRETCH_CLASS_WORDS, pulls),
     STRETCH(35, POOL_STRETCH, LINK_CLASS_WORDS, limits),
-    SHEET(36, ROLE_CONSTANT, KIND_WORD, POOL_PARAMS, SHEET_PARAM_WORDS, sheet.params),
-    SHEET(37, ROLE_STATE, KIND_WORD, POOL_STATE, SHEET_STATE_WORDS, sheet.state),
-    SHEET(38, ROLE_STATE, KIND_ID, POOL_TRIANGLES, SHEET_TRIANGLE_IDS, sheet.triangle),
-    SHEET(39, ROLE_STATE, KIND_WORD, POOL_TRIANGLES, 1, sheet.area),
-    SHEET(40, ROLE_STATE, KIND_BYTE, POOL_TRIANGLES, 1, sheet.mark),
-    SHEET(41, ROLE_STATE, KIND_BYTE, POOL_TRIANGLES, 1, sheet.cloth),
-    SHEET(42, ROLE_STATE, KIND_WORD, POOL_PARTICLES, 1, sheet.u),
-    SHEET(43, ROLE_STATE, KIND_WORD, POOL_PARTICLES, 1, sheet.v),
-    SHEET(44, ROLE_STATE, KIND_ID, POOL_PARTICLES, 1, sheet.fan),
+    MESH(36, ROLE_CONSTANT, KIND_WORD, POOL_PARAMS, SHEET_PARAM_WORDS, params),
+    MESH(37, ROLE_STATE, KIND_WORD, POOL_STATE, SHEET_STATE_WORDS, state),
+    MESH(38, ROLE_STATE, KIND_ID, POOL_TRIANGLES, SHEET_TRIANGLE_IDS, triangle),
+    MESH(39, ROLE_STATE, KIND_WORD, POOL_TRIANGLES, 1, area),
+    MESH(40, ROLE_STATE, KIND_BYTE, POOL_TRIANGLES, 1, mark),
+    MESH(41, ROLE_STATE, KIND_BYTE, POOL_TRIANGLES, 1, cloth),
+    MESH(42, ROLE_STATE, KIND_WORD, POOL_PARTICLES, 1, u),
+    MESH(43, ROLE_STATE, KIND_WORD, POOL_PARTICLES, 1, v),
+    MESH(44, ROLE_STATE, KIND_ID, POOL_PARTICLES, 1, fan),
     SHEET(45, ROLE_CONSTANT, KIND_WORD, POOL_PARAMS, LIMIT_CLOTHS * FABRIC_WORDS, fabrics),
     SHEET(46, ROLE_CONSTANT, KIND_WORD, POOL_PARAMS, CLOTH_PARAM_WORDS, cloths),
     SHEET(47, ROLE_STATE, KIND_WORD, POOL_TRIANGLES, HABIT_WORDS, habits),
     SHEET(48, ROLE_CONSTANT, KIND_WORD, POOL_PARAMS, LIMIT_CLOTHS * TOUGHNESS_WORDS, toughnesses),
-    SHEET_TICK(POOL_PARTICLES, uint32_t, sheet.mass),
-    SHEET_TICK(POOL_TRIANGLES, sheet_weights, sheet.weights),
+    MESH_TICK(POOL_PARTICLES, uint32_t, mass),
+    MESH_TICK(POOL_TRIANGLES, sheet_weights, weights),
     SHEET_TICK(POOL_PARTICLES, int32_t, inverse),
     SHEET_TICK(POOL_TRIANGLES, pull_row, pull),
     SHEET_TICK(POOL_TRIANGLES, tensor, stress),
