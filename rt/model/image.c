@@ -74,6 +74,7 @@ const image_array image_arrays[] = {
     SHEET_TICK(POOL_PARTICLES, int32_t, inverse),
     SHEET_TICK(POOL_TRIANGLES, pull_row, pull),
     SHEET_TICK(POOL_TRIANGLES, tensor, stress),
+    SHEET_TICK(POOL_TRIANGLES, crease_share, creases),
     SHEET_TICK(POOL_PARTICLES, int32_t, sum_x),
     SHEET_TICK(POOL_PARTICLES, int32_t, sum_y),
     SHEET_TICK(POOL_PARTICLES, int32_t, sum_z),

@@ -10,6 +10,7 @@
 #include "rt/model/bodies.h"
 #include "rt/model/cloths.h"
 #include "rt/model/contacts.h"
+#include "rt/model/crease.h"
 #include "rt/model/params.h"
 #include "rt/model/rows.h"
 #include "rt/model/sheet.h"
@@ -107,6 +108,8 @@ struct fray_world {
   int32_t *inverse;          /* of a vertex: 1 / mass, Q24 of 1 / particle mass */
   pull_row *pull;            /* of a triangle */
   tensor *stress;            /* of a triangle, Q12 N/m: where it was at the beginning of the tick */
+  crease *creases;           /* sides of two triangles that resist folding */
+  uint32_t crease_count;
   int32_t *sum_x, *sum_y, *sum_z;       /* of a vertex: impulse in an inner step, Q26 */
   int32_t *given_x, *given_y, *given_z; /* that of loads */
   int32_t *low_x, *low_y, *low_z;       /* of a vertex in inner steps: what it has below Q28, Q59 */

@@ -90,6 +90,7 @@ void weigh_run(fray_world *w) {
     for (uint32_t n = 0; n < FABRIC_ENTRIES; ++n)
       c[n] = fx_saturate(fx_round64(fx_mul_wide(c[n], gain), shift));
   }
+  creases_weigh(w);
 }
 
 static inline int32_t bounded(int64_t q56) { return fx_saturate(fx_round64(q56, STRAIN_BITS)); }

@@ -43,6 +43,7 @@ void predict_held(fray_world *w);
 void predict_part(fray_world *w, uint32_t first, uint32_t end);    /* particles */
 void strain_part(fray_world *w, uint32_t b, uint32_t batches);     /* one sweep of batches [b, batches) */
 void collide_part(fray_world *w, uint32_t first, uint32_t end);    /* contacts */
+void creases_weigh(fray_world *w); /* bending, as long as a tick */
 void fold_sides(fray_world *w); /* bending, into the sums of an inner step */
 void finish_part(fray_world *w, uint32_t first, uint32_t end);     /* particles, then their contacts */
 void finish_contacts(fray_world *w, uint32_t first, uint32_t end); /* contacts */

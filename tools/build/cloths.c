@@ -177,8 +177,8 @@ static int fill_bending(const draft *d, int64_t share, fabric *f, cloth_params *
   /* k = 24/5 D and sin(t/2): 24/5 every h^2 / (i m lu^2) 2^34 of 2^-40 N m */
   const exact gain = exact_mul(exact_div(exact_div(per_newton(d), lu), lu), exact_make(24 * c->bend_every, 5 * 64));
   if (!mantissa_of(d, "bend", gain, 1, 60, &c->bend_gain, &c->bend_shift)) return 0;
-  /* curvature in 1 / lu, a quarter of it (stage/fold.c), to steps of 5 / m, Q24 */
-  return draft_word(d, "bend", exact_div(exact_make(4, 5), lu), 24, 0, INT32_MAX, &c->curve_gain);
+  /* curvature in 1 / lu to steps of 5 / m, Q24 */
+  return draft_word(d, "bend", exact_div(exact_make(1, 5), lu), 24, 0, INT32_MAX, &c->curve_gain);
 }
 
 static int fill_load(const draft *d, const fray_world *w, const scene_load *from, cloth_load *to) {
