@@ -234,6 +234,11 @@ FX_WRAPS static inline uint32_t fx_divide_wide(uint64_t n, uint32_t d) {
   }
   return low;
 }
+#elif UINTPTR_MAX > 0xFFFFFFFFu
+/* n / d for d in 1..2^31, saturated to 32 bits. */
+static inline uint32_t fx_divide_wide(uint64_t n, uint32_t d) {
+  return (uint32_t)(n >> 32) >= d ? UINT32_MAX : (uint32_t)(n / d);
+}
 #else
 /* n / d for d in 1..2^31, saturated to 32 bits: two digits of 16 bits, each estimated from the upper half
  * of the divisor, which is at most two too many. */

@@ -5,6 +5,11 @@
 
 #include "rt/model/fabric.h"
 
+enum {
+  HINGE_REACH = FX_LU * 16, /* Q28: corners farther apart along an axis count as a lu */
+  HINGE_LEAST = 1 << 16     /* Q56: squared areas and sides below that are none */
+};
+
 typedef struct {
   uint32_t x[4];      /* vertices: opposite the side in each triangle, then its ends, 3 and 4 */
   int32_t stiff[FABRIC_CURVES]; /* impulse times height over sin(t/2), by curvature: Q34 as in stage/pull.c */

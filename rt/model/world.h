@@ -11,6 +11,7 @@
 #include "rt/model/cloths.h"
 #include "rt/model/contacts.h"
 #include "rt/model/crease.h"
+#include "rt/model/inner.h"
 #include "rt/model/params.h"
 #include "rt/model/rows.h"
 #include "rt/model/sheet.h"
@@ -37,11 +38,6 @@ typedef enum {
   POOL_TRIANGLES, /* not 0 iff the world is a triangle sheet and has no crossings */
   POOLS
 } pool_name;
-
-/* c of a triangle in this tick, times its area: strain Q28 to impulse, see stage/pull.c. */
-typedef struct {
-  int32_t c[FABRIC_ENTRIES];
-} pull_row;
 
 /* A spring over its threshold, waiting to be cut. */
 typedef struct {
@@ -110,9 +106,10 @@ struct fray_world {
   tensor *stress;            /* of a triangle, Q12 N/m: where it was at the beginning of the tick */
   crease *creases;           /* sides of two triangles that resist folding */
   uint32_t crease_count;
-  int32_t *sum_x, *sum_y, *sum_z;       /* of a vertex: impulse in an inner step, Q26 */
-  int32_t *given_x, *given_y, *given_z; /* that of loads */
-  int32_t *low_x, *low_y, *low_z;       /* of a vertex in inner steps: what it has below Q28, Q59 */
+  inner_place *places;       /* of a vertex */
+  inner_sum *sums;           /* of a vertex, in an inner step */
+  inner_sum *given;          /* that of loads */
+  int32_t *low_x, *low_y, *low_z; /* of a vertex: what its place has below Q28, Q59 */
   contact *contacts;
   uint32_t contact_count;
   cut *cuts;

@@ -24,8 +24,13 @@ static int is_near(const cloth_load *load, const sheet_mesh *s, uint32_t p) {
   return off >= -LOAD_NEAR && off <= LOAD_NEAR;
 }
 
-static void add(int32_t *given, uint32_t p, int64_t impulse) {
-  given[p] = (int32_t)fx_clamp64(given[p] + impulse, -BLOW_MAX, BLOW_MAX);
+static int32_t more(int32_t given, int64_t impulse) {
+  return (int32_t)fx_clamp64(given + impulse, -BLOW_MAX, BLOW_MAX);
+}
+static void give(inner_sum *sum, int64_t x, int64_t y, int64_t z) {
+  sum->x = more(sum->x, x);
+  sum->y = more(sum->y, y);
+  sum->z = more(sum->z, z);
 }
 
 static void load_side(fray_world *w, const cloth_load *load, uint32_t from, uint32_t to) {
@@ -34,20 +39,16 @@ static void load_side(fray_world *w, const cloth_load *load, uint32_t from, uint
   const uint64_t squared =
       fx_square(fx_sub(s->u[to], s->u[from])) + fx_square(fx_sub(s->v[to], s->v[from]));
   const int32_t length = (int32_t)fx_root_length(fx_rsqrt(squared, FX_ROOT_FINE));
-  int32_t *const given[3] = {w->given_x, w->given_y, w->given_z};
-  for (uint32_t n = 0; n < 3; ++n) {
-    const int64_t half = fx_round64(fx_mul_wide(load->force[n], length), FX_POSITION_BITS + 1);
-    add(given[n], from, half);
-    add(given[n], to, half);
-  }
+  int64_t half[3];
+  for (uint32_t n = 0; n < 3; ++n)
+    half[n] = fx_round64(fx_mul_wide(load->force[n], length), FX_POSITION_BITS + 1);
+  give(&w->given[from], half[0], half[1], half[2]);
+  give(&w->given[to], half[0], half[1], half[2]);
 }
 
 static void load_border(fray_world *w) {
   const sheet_mesh *s = &w->sheet;
-  const size_t bytes = w->particles * sizeof *w->given_x;
-  bytes_zero(w->given_x, bytes);
-  bytes_zero(w->given_y, bytes);
-  bytes_zero(w->given_z, bytes);
+  bytes_zero(w->given, w->particles * sizeof *w->given);
   for (uint32_t n = 0; n < CLOTH_LOADS; ++n) {
     const cloth_load *load = &w->cloths->load[n];
     if (load->u == 0 && load->v == 0) continue;
@@ -115,11 +116,7 @@ static void blow_triangle(fray_world *w, uint32_t t) {
         share(fx_mul64(squared_q28(slow), area), c->wind_drag, (unsigned)c->wind_shift);
     j = vec_add(j, vec_scale_unit(way, drawn));
   }
-  for (uint32_t k = 0; k < 3; ++k) {
-    add(w->sum_x, of[k], j.x);
-    add(w->sum_y, of[k], j.y);
-    add(w->sum_z, of[k], j.z);
-  }
+  for (uint32_t k = 0; k < 3; ++k) give(&w->sums[of[k]], j.x, j.y, j.z);
 }
 
 static int32_t blown(int32_t v, int32_t sum, int32_t inverse) {
@@ -128,19 +125,16 @@ static int32_t blown(int32_t v, int32_t sum, int32_t inverse) {
 }
 
 static void blow_wind(fray_world *w) {
-  const size_t bytes = w->particles * sizeof *w->sum_x;
   const uint32_t held = (uint32_t)w->params->held;
-  bytes_zero(w->sum_x, bytes);
-  bytes_zero(w->sum_y, bytes);
-  bytes_zero(w->sum_z, bytes);
+  bytes_zero(w->sums, w->particles * sizeof *w->sums);
   for (uint32_t t = 0; t < (uint32_t)w->sheet.state->triangles; ++t) blow_triangle(w, t);
   for (uint32_t p = 0; p < held; ++p)
-    body_gave(&w->motion[w->grip_body[p]], -(int64_t)w->sum_x[p], -(int64_t)w->sum_y[p],
-              -(int64_t)w->sum_z[p]);
+    body_gave(&w->motion[w->grip_body[p]], -(int64_t)w->sums[p].x, -(int64_t)w->sums[p].y,
+              -(int64_t)w->sums[p].z);
   for (uint32_t p = held; p < w->particles; ++p) {
-    w->vx[p] = blown(w->vx[p], w->sum_x[p], w->inverse[p]);
-    w->vy[p] = blown(w->vy[p], w->sum_y[p], w->inverse[p]);
-    w->vz[p] = blown(w->vz[p], w->sum_z[p], w->inverse[p]);
+    w->vx[p] = blown(w->vx[p], w->sums[p].x, w->inverse[p]);
+    w->vy[p] = blown(w->vy[p], w->sums[p].y, w->inverse[p]);
+    w->vz[p] = blown(w->vz[p], w->sums[p].z, w->inverse[p]);
   }
 }
 

@@ -13,19 +13,20 @@
  * Impulses are those of pull.c. */
 #include "rt/stage/hinge.h"
 #include "rt/stage/stage.h"
+#include "rt/wide/wide.h"
 
-enum { FOLD_MAX = 1 << 20 };
-
-static vec3 way(const fray_world *w, uint32_t from, uint32_t to) {
-  return vec_make(fx_clamp_rare(fx_wrap_sub(w->qx[to], w->qx[from]), -HINGE_REACH, HINGE_REACH),
-                  fx_clamp_rare(fx_wrap_sub(w->qy[to], w->qy[from]), -HINGE_REACH, HINGE_REACH),
-                  fx_clamp_rare(fx_wrap_sub(w->qz[to], w->qz[from]), -HINGE_REACH, HINGE_REACH));
+static int32_t along(const inner_place *from, const inner_place *to, uint32_t axis) {
+  return fx_clamp_rare(fx_wrap_sub(to->at[axis], from->at[axis]), -HINGE_REACH, HINGE_REACH);
+}
+static vec3 way(const inner_place *place, uint32_t from, uint32_t to) {
+  return vec_make(along(&place[from], &place[to], 0), along(&place[from], &place[to], 1),
+                  along(&place[from], &place[to], 2));
 }
 
-static void give(fray_world *w, uint32_t p, vec3 j) {
-  w->sum_x[p] = fx_add(w->sum_x[p], j.x);
-  w->sum_y[p] = fx_add(w->sum_y[p], j.y);
-  w->sum_z[p] = fx_add(w->sum_z[p], j.z);
+static void give(inner_sum *sum, vec3 j) {
+  sum->x = fx_add(sum->x, j.x);
+  sum->y = fx_add(sum->y, j.y);
+  sum->z = fx_add(sum->z, j.z);
 }
 
 /* Impulse of a vertex opposite the side: along its normal, against the fold. */
@@ -50,8 +51,9 @@ static int32_t stiffness(const crease *c, int32_t half) {
   return c->stiff[step] + (int32_t)fx_round64(fx_mul_wide(more, (int32_t)(place & 0xFFFFFF)), 24);
 }
 
-static void fold(fray_world *w, const crease *c) {
-  const hinge h = hinge_of(way(w, c->x[2], c->x[3]), way(w, c->x[3], c->x[0]), way(w, c->x[3], c->x[1]));
+static void fold(const fold_view *view, const crease *c) {
+  const hinge h = hinge_of(way(view->place, c->x[2], c->x[3]), way(view->place, c->x[3], c->x[0]),
+                           way(view->place, c->x[3], c->x[1]));
   if (!hinge_is_sound(&h)) return;
   const vec3 n1 = hinge_unit_of(h.area1).along;
   const vec3 n2 = hinge_unit_of(h.area2).along;
@@ -62,13 +64,18 @@ static void fold(fray_world *w, const crease *c) {
   const vec3 j2 = opposite(turning, c->height[1], n2);
   const vec3 j3 = vec_add(of(j1, c->foot[0]), of(j2, c->foot[1]));
   const vec3 back = vec_add(vec_add(j1, j2), j3);
-  give(w, c->x[0], j1);
-  give(w, c->x[1], j2);
-  give(w, c->x[2], j3);
-  give(w, c->x[3], vec_make(-back.x, -back.y, -back.z));
+  give(&view->sum[c->x[0]], j1);
+  give(&view->sum[c->x[1]], j2);
+  give(&view->sum[c->x[2]], j3);
+  give(&view->sum[c->x[3]], vec_make(-back.x, -back.y, -back.z));
 }
 
 void fold_sides(fray_world *w) {
-  for (uint32_t n = 0; n < w->crease_count; ++n) fold(w, &w->creases[n]);
+  const fold_view view = {w->places, w->sums, w->creases};
+  uint32_t n = 0;
+  while (n < w->crease_count) {
+    n += wide_fold(w->kernel, &view, n, w->crease_count);
+    if (n < w->crease_count) fold(&view, &w->creases[n++]);
+  }
   w->work.folds += w->crease_count;
 }

@@ -4,8 +4,7 @@
 #define FRAY_STAGE_HINGE_H
 
 #include "rt/base/vec.h"
-
-enum { HINGE_REACH = FX_LU * 16 /* Q28: corners farther apart along an axis count as a lu */ };
+#include "rt/model/crease.h"
 
 typedef struct {
   vec3 side;       /* from 3 to 4, Q28 */
@@ -27,8 +26,8 @@ static inline hinge hinge_of(vec3 side, vec3 to1, vec3 to2) {
 
 /* Both triangles have an area to speak of. */
 static inline int hinge_is_sound(const hinge *h) {
-  return vec_squared(h->area1) >= 1u << 16 && vec_squared(h->area2) >= 1u << 16 &&
-         vec_squared(h->side) >= 1u << 16;
+  return vec_squared(h->area1) >= HINGE_LEAST && vec_squared(h->area2) >= HINGE_LEAST &&
+         vec_squared(h->side) >= HINGE_LEAST;
 }
 
 typedef struct {

@@ -110,7 +110,7 @@ void predict_part(fray_world *w, uint32_t first, uint32_t end) {
 void predict_run(fray_world *w, uint32_t substep) {
   predict_begin(w, substep);
   if (world_has_sheet(w)) {
-    pull_run(w, substep);
+    inner_run(w, substep);
     predict_held(w);
     return;
   }

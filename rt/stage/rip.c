@@ -25,13 +25,13 @@ static int32_t bound_of(tensor s) {
 /* What pulls at most at each vertex, in a scratch array. */
 static void gather_bounds(fray_world *w) {
   const sheet_mesh *s = &w->sheet;
-  int32_t *most = w->sum_x;
-  for (uint32_t p = 0; p < w->particles; ++p) most[p] = 0;
+  inner_sum *most = w->sums;
+  for (uint32_t p = 0; p < w->particles; ++p) most[p].x = 0;
   for (uint32_t t = 0; t < (uint32_t)s->state->triangles; ++t) {
     const int32_t bound = bound_of(w->stress[t]);
     for (uint32_t k = 0; k < 3; ++k) {
       const uint32_t p = s->triangle[t].v[k];
-      most[p] = fx_max(most[p], bound);
+      most[p].x = fx_max(most[p].x, bound);
     }
   }
 }
@@ -97,7 +97,7 @@ static void try_vertex(fray_world *w, uint32_t vertex, const toughness *cloth, t
 
 /* 1 iff a line through the vertex may be above what is required, and above the best one. */
 static int is_promising(const fray_world *w, uint32_t vertex, int32_t least, const tear *best) {
-  const int64_t bound = separation_bound(w->sum_x[vertex], !sheet_is_open(&w->sheet, vertex));
+  const int64_t bound = separation_bound(w->sums[vertex].x, !sheet_is_open(&w->sheet, vertex));
   if (bound <= least) return 0;
   return best->vertex == SHEET_NONE ||
          bound * best->ratio.required > fx_mul_wide(best->ratio.separation, least);

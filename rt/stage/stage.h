@@ -19,7 +19,7 @@ void blow_run(fray_world *w);                             /* loads and wind on t
 /* Each substep. */
 void predict_run(fray_world *w, uint32_t substep);
 void stretch_run(fray_world *w); /* in the place of its particles, where yarns have a stiffness */
-void pull_run(fray_world *w, uint32_t substep); /* of triangle sheets: predict, with stress and drag */
+void inner_run(fray_world *w, uint32_t substep); /* of triangle sheets: predict, with stress and drag */
 void strain_run(fray_world *w);
 void limit_run(fray_world *w); /* sides of triangles that are far too long */
 void slip_run(fray_world *w, uint32_t substep); /* loose couples keep the cloth's thickness apart */
@@ -44,6 +44,7 @@ void predict_part(fray_world *w, uint32_t first, uint32_t end);    /* particles 
 void strain_part(fray_world *w, uint32_t b, uint32_t batches);     /* one sweep of batches [b, batches) */
 void collide_part(fray_world *w, uint32_t first, uint32_t end);    /* contacts */
 void creases_weigh(fray_world *w); /* bending, as long as a tick */
+void pull_triangles(fray_world *w); /* stress, into the sums of an inner step */
 void fold_sides(fray_world *w); /* bending, into the sums of an inner step */
 void finish_part(fray_world *w, uint32_t first, uint32_t end);     /* particles, then their contacts */
 void finish_contacts(fray_world *w, uint32_t first, uint32_t end); /* contacts */

@@ -4,11 +4,14 @@
 #define FRAY_WIDE_KERNELS_H
 
 #include "rt/wide/digest.h"
+#include "rt/wide/folds.h"
 #include "rt/wide/lift.h"
 #include "rt/wide/over.h"
 #include "rt/wide/project.h"
+#include "rt/wide/pulls.h"
 #include "rt/wide/push.h"
 #include "rt/wide/slides.h"
+#include "rt/wide/steps.h"
 
 #ifdef LANES_RULE_NOTHING_OUT
 #define near_any wide_maybe
@@ -20,6 +23,9 @@
 
 #ifndef LANES_LONGS
 #define slides_run wide_none
+#define pulls_run wide_none
+#define folds_run wide_none
+#define inner_steps wide_none
 #endif
 
 #define WIDE_DEFINE(set, name, parameters, arguments, scalar, wide) \

@@ -176,5 +176,26 @@ LANES_INLINE lanes longs_low(longs v) {
 LANES_INLINE lanes longs_high(longs v) {
   return _mm256_blend_epi32(_mm256_srli_epi64(v.even, 32), v.odd, 0xAA);
 }
+LANES_INLINE longs longs_or(longs a, longs b) {
+  return (longs){_mm256_or_si256(a.even, b.even), _mm256_or_si256(a.odd, b.odd)};
+}
+LANES_INLINE longs longs_xor(longs a, longs b) {
+  return (longs){_mm256_xor_si256(a.even, b.even), _mm256_xor_si256(a.odd, b.odd)};
+}
+/* Of lanes that are not below zero. */
+LANES_INLINE longs longs_of(lanes v) { return (longs){lanes_even(v), lanes_odd(v)}; }
+LANES_INLINE lanes lanes_and(lanes a, lanes b) { return _mm256_and_si256(a, b); }
+
+/* Four words from each of two places, beside one another. */
+LANES_INLINE lanes lanes_four(const int32_t *a, const int32_t *b) {
+  const __m256i one = _mm256_castsi128_si256(_mm_loadu_si128((const __m128i *)(const void *)a));
+  return _mm256_inserti128_si256(one, _mm_loadu_si128((const __m128i *)(const void *)b), 1);
+}
+/* In every four lanes: a0 b0 a1 b1, or a2 b2 a3 b3. */
+LANES_INLINE lanes lanes_mix_low(lanes a, lanes b) { return _mm256_unpacklo_epi32(a, b); }
+LANES_INLINE lanes lanes_mix_high(lanes a, lanes b) { return _mm256_unpackhi_epi32(a, b); }
+/* In every four lanes: a0 a1 b0 b1, or a2 a3 b2 b3. */
+LANES_INLINE lanes lanes_twos_low(lanes a, lanes b) { return _mm256_unpacklo_epi64(a, b); }
+LANES_INLINE lanes lanes_twos_high(lanes a, lanes b) { return _mm256_unpackhi_epi64(a, b); }
 
 #endif

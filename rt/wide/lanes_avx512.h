@@ -146,5 +146,28 @@ LANES_INLINE lanes longs_low(longs v) {
 LANES_INLINE lanes longs_high(longs v) {
   return _mm512_mask_blend_epi32(0xAAAA, _mm512_srli_epi64(v.even, 32), v.odd);
 }
+LANES_INLINE longs longs_or(longs a, longs b) {
+  return (longs){_mm512_or_si512(a.even, b.even), _mm512_or_si512(a.odd, b.odd)};
+}
+LANES_INLINE longs longs_xor(longs a, longs b) {
+  return (longs){_mm512_xor_si512(a.even, b.even), _mm512_xor_si512(a.odd, b.odd)};
+}
+/* Of lanes that are not below zero. */
+LANES_INLINE longs longs_of(lanes v) { return (longs){lanes_even(v), lanes_odd(v)}; }
+LANES_INLINE lanes lanes_and(lanes a, lanes b) { return _mm512_and_si512(a, b); }
+
+/* Four words from each of four places, beside one another. */
+LANES_INLINE lanes lanes_four(const int32_t *a, const int32_t *b, const int32_t *c, const int32_t *d) {
+  const __m128i *const at[4] = {(const __m128i *)(const void *)a, (const __m128i *)(const void *)b,
+                                (const __m128i *)(const void *)c, (const __m128i *)(const void *)d};
+  const __m512i one = _mm512_inserti32x4(_mm512_castsi128_si512(_mm_loadu_si128(at[0])), _mm_loadu_si128(at[1]), 1);
+  return _mm512_inserti32x4(_mm512_inserti32x4(one, _mm_loadu_si128(at[2]), 2), _mm_loadu_si128(at[3]), 3);
+}
+/* In every four lanes: a0 b0 a1 b1, or a2 b2 a3 b3. */
+LANES_INLINE lanes lanes_mix_low(lanes a, lanes b) { return _mm512_unpacklo_epi32(a, b); }
+LANES_INLINE lanes lanes_mix_high(lanes a, lanes b) { return _mm512_unpackhi_epi32(a, b); }
+/* In every four lanes: a0 a1 b0 b1, or a2 a3 b2 b3. */
+LANES_INLINE lanes lanes_twos_low(lanes a, lanes b) { return _mm512_unpacklo_epi64(a, b); }
+LANES_INLINE lanes lanes_twos_high(lanes a, lanes b) { return _mm512_unpackhi_epi64(a, b); }
 
 #endif

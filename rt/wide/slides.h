@@ -5,25 +5,14 @@
 #ifndef FRAY_WIDE_SLIDES_H
 #define FRAY_WIDE_SLIDES_H
 
-#include "rt/wide/pairs.h"
-#include "rt/base/fx.h"
+#include "rt/wide/longs.h"
 #include "rt/wide/slide.h"
 
 #ifdef LANES_LONGS
-#ifdef __clang__
-#define SLIDES_UNROLLED _Pragma("clang loop unroll(full)")
-#else
-#define SLIDES_UNROLLED _Pragma("GCC unroll 20") /* or small arrays stay in memory */
-#endif
-
 enum { SLIDES_FAR = 1 << 26 }; /* of a way, a gap or a correction */
 
 /* Ends of the closest pair: of the warp's spring, of the weft's. */
 static const int slides_ends[4] = {SLIDE_WARP, SLIDE_FAR + 2, SLIDE_WEFT, SLIDE_FAR};
-
-typedef struct {
-  lanes inverse, h;
-} slides_root;
 
 /* Of some couples. */
 typedef struct {
@@ -40,34 +29,20 @@ typedef struct {
   lanes far;                     /* the largest of what SLIDES_FAR bounds */
 } slides;
 
-LANES_INLINE lane_mask longs_negative(longs v) { return lanes_below_zero(longs_high(v)); }
 LANES_INLINE lane_mask slides_has(lanes facts, uint32_t bit) {
   return lanes_below_zero(lanes_shl(facts, (unsigned)__builtin_clz(bit)));
-}
-LANES_INLINE lanes slides_size(lanes v) { return lanes_max(v, lanes_sub(lanes_all(0), v)); }
-LANES_INLINE lanes slides_signed(lanes size, lanes like) {
-  return lanes_pick(lanes_below_zero(like), lanes_sub(lanes_all(0), size), size);
 }
 LANES_INLINE lanes slides_farther(lanes far, lanes v) {
   return lanes_max(far, lanes_max(v, lanes_sub(lanes_all(-1), v)));
 }
-/* fx_round64 to 32 bits; s is at most 32. */
-LANES_INLINE lanes longs_round(longs v, unsigned s) {
-  const longs half = longs_all((int64_t)1 << (s - 1u));
-  return longs_low(longs_shr(longs_add(v, longs_add(longs_sign(v), half)), s));
-}
-LANES_INLINE longs longs_squared(const lanes v[3]) {
-  return longs_add(longs_add(longs_mul(v[0], v[0]), longs_mul(v[1], v[1])), longs_mul(v[2], v[2]));
-}
-
 /* n / d for `count` of them, so that none waits for another; d is above 0, n below d * 2^bits and 2^31. */
 LANES_INLINE void slides_divide(lanes *n, const lanes *d, unsigned bits, int count, lanes *quotient) {
   lanes missing[4]; /* the quotient's zeros */
   for (int k = 0; k < count; ++k) missing[k] = lanes_all(0);
-  SLIDES_UNROLLED
+  LONGS_UNROLLED
   for (unsigned left = bits; left != 0; --left) {
     const unsigned bit = left - 1u;
-    SLIDES_UNROLLED
+    LONGS_UNROLLED
     for (int k = 0; k < count; ++k) {
       const lanes rest = lanes_sub(n[k], bit == 0 ? d[k] : lanes_shl(d[k], bit));
       n[k] = lanes_lesser(n[k], rest);
@@ -82,11 +57,11 @@ LANES_INLINE void slides_divide(lanes *n, const lanes *d, unsigned bits, int cou
 LANES_INLINE void slides_ratios(lanes n[4], lanes d, lanes quotient[4]) {
   lanes missing[4];
   for (int k = 0; k < 4; ++k) missing[k] = lanes_all(0);
-  SLIDES_UNROLLED
+  LONGS_UNROLLED
   for (unsigned left = 17; left != 0; --left) {
     const unsigned bit = left - 1u;
     const lanes part = bit > 15 ? lanes_add(d, d) : d;
-    SLIDES_UNROLLED
+    LONGS_UNROLLED
     for (int k = 0; k < 4; ++k) {
       const lanes rest = lanes_sub(n[k], part);
       n[k] = lanes_lesser(n[k], rest);
@@ -99,7 +74,7 @@ LANES_INLINE void slides_ratios(lanes n[4], lanes d, lanes quotient[4]) {
 
 /* v, above 0, shifted down to 16 bits; by how much is added to `down`. */
 LANES_INLINE lanes slides_down(lanes v, lanes *down) {
-  SLIDES_UNROLLED
+  LONGS_UNROLLED
   for (unsigned s = 8; s != 0; s /= 2u) {
     const lane_mask more = lanes_above(v, lanes_all((int32_t)(1u << (15u + s)) - 1));
     v = lanes_pick(more, lanes_asr(v, s), v);
@@ -116,7 +91,7 @@ LANES_INLINE lanes slides_share(lanes quotient, lane_mask none, lane_mask not_al
 
 /* Pair k is of the warp's spring 2 + k / 2 and the weft's spring k % 2, by way. */
 enum { SLIDES_PAIRS = 4 };
-#define SLIDES_EACH SLIDES_UNROLLED for (int k = 0; k < SLIDES_PAIRS; ++k)
+#define SLIDES_EACH LONGS_UNROLLED for (int k = 0; k < SLIDES_PAIRS; ++k)
 
 /* Along the warps' springs to the closest points of the other lines; 0 where they are parallel. */
 LANES_INLINE void slides_cross(const slides *s, const lanes ab[SLIDES_PAIRS], lanes on_warp[SLIDES_PAIRS]) {
@@ -188,7 +163,7 @@ LANES_INLINE void slides_compare(slides *s, int k, lanes on_warp, lanes on_weft)
   const int weft = k % 2;
   const lanes most = lanes_all(INT32_MAX);
   lanes gap[3];
-  SLIDES_UNROLLED
+  LONGS_UNROLLED
   for (int n = 0; n < 3; ++n) {
     const lanes along =
         lanes_sub(lanes_mul(s->way[warp][n], on_warp), lanes_mul(s->way[weft][n], on_weft));
@@ -212,7 +187,7 @@ LANES_INLINE void slides_fetch(const slide_view *v, uint32_t first, uint32_t cou
   for (int e = 0; e < SLIDE_ENDS; ++e) {
     for (uint32_t n = 0; n < LANES; ++n)
       s->id[e][n] = (uint32_t)v->end[e][first + (n < count ? n : 0)];
-    SLIDES_UNROLLED
+    LONGS_UNROLLED
     for (int n = 0; n < 3; ++n) s->at[e][n] = lanes_of(v->at[n], s->id[e]);
   }
   uint32_t facts[LANES];
@@ -225,13 +200,13 @@ LANES_INLINE lanes slides_coarse(lanes from, lanes to) {
 }
 
 LANES_INLINE void slides_look_around(slides *s) {
-  SLIDES_UNROLLED
+  LONGS_UNROLLED
   for (int n = 0; n < 3; ++n) s->apart[n] = slides_coarse(s->at[SLIDE_WEFT][n], s->at[SLIDE_WARP][n]);
-  SLIDES_UNROLLED
+  LONGS_UNROLLED
   for (int way = 0; way < 4; ++way) {
     const lanes *from = s->at[way < 2 ? SLIDE_WEFT : SLIDE_WARP];
     const lane_mask none = slides_has(s->facts, (uint32_t)SLIDE_NONE << way);
-    SLIDES_UNROLLED
+    LONGS_UNROLLED
     for (int n = 0; n < 3; ++n)
       s->way[way][n] = lanes_pick(none, lanes_all(0), slides_coarse(from[n], s->at[SLIDE_FAR + way][n]));
     s->squared[way] = lanes_dot(s->way[way], s->way[way]);
@@ -257,10 +232,10 @@ LANES_INLINE void slides_choose(slides *s) {
   s->b[1] = s->on_warp;
   s->b[2] = lanes_sub(one, s->on_weft);
   s->b[3] = s->on_weft;
-  SLIDES_UNROLLED
+  LONGS_UNROLLED
   for (int yarn = 0; yarn < 2; ++yarn) {
     const int e = SLIDE_FAR + 2 * yarn;
-    SLIDES_UNROLLED
+    LONGS_UNROLLED
     for (int n = 0; n < 3; ++n) s->at[e][n] = lanes_pick(s->second[yarn], s->at[e + 1][n], s->at[e][n]);
     const lanes id = lanes_pick(s->second[yarn], lanes_load((const int32_t *)s->id[e + 1]),
                                 lanes_load((const int32_t *)s->id[e]));
@@ -270,7 +245,7 @@ LANES_INLINE void slides_choose(slides *s) {
 
 /* From the weft's point to the warp's. */
 LANES_INLINE void slides_gap(slides *s, lanes gap[3]) {
-  SLIDES_UNROLLED
+  LONGS_UNROLLED
   for (int n = 0; n < 3; ++n) {
     const lanes warp = lanes_sub(s->at[SLIDE_FAR + 2][n], s->at[SLIDE_WARP][n]);
     const lanes weft = lanes_sub(s->at[SLIDE_FAR][n], s->at[SLIDE_WEFT][n]);
@@ -280,57 +255,15 @@ LANES_INLINE void slides_gap(slides *s, lanes gap[3]) {
   }
 }
 
-LANES_INLINE lanes slides_newton(lanes m, lanes y) {
-  const lanes squared = longs_low(longs_shr(longs_mul_u(y, y), 31));
-  const lanes unity = longs_low(longs_shr(longs_mul_u(m, squared), 30));
-  const lanes short_of = lanes_sub(lanes_all(INT32_MIN), unity);
-  return lanes_add(y, longs_high(longs_mul(y, short_of)));
-}
-
-/* fx_rsqrt(n, FX_ROOT_FINE); m comes to stand in *m. Anything where n is 0. */
-LANES_INLINE slides_root slides_rsqrt(longs n, lanes *m) {
-  const lanes high = longs_high(n);
-  const lanes zero = lanes_all(0);
-  const lane_mask has_high = lanes_differ(high, zero);
-  lanes v = lanes_pick(has_high, high, longs_low(n));
-  lanes up = lanes_pick(has_high, zero, lanes_all(32));
-  SLIDES_UNROLLED
-  for (unsigned s = 16; s > 1; s /= 2u) {
-    const lane_mask more = lanes_differ(lanes_asr(v, 32u - s), zero);
-    v = lanes_pick(more, v, lanes_shl(v, s));
-    up = lanes_add(up, lanes_pick(more, zero, lanes_all((int32_t)s)));
-  }
-  *m = longs_high(longs_shl_by(n, up));
-  const lanes slope_low = longs_low(longs_shr(longs_mul_u(*m, lanes_all(616403730)), 30));
-  const lanes slope_high = longs_low(longs_shr(longs_mul_u(*m, lanes_all(217931629)), 30));
-  const lanes low = lanes_sub(lanes_all((int32_t)2716337504u), slope_low);
-  const lanes high_y = lanes_sub(lanes_all((int32_t)1922456487u), slope_high);
-  lanes y = lanes_pick(lanes_below_zero(*m), high_y, low);
-  y = slides_newton(*m, slides_newton(*m, slides_newton(*m, y)));
-  /* at most 2^31 */
-  y = lanes_pick(lanes_below_zero(y), lanes_all(INT32_MIN), y);
-  return (slides_root){y, lanes_sub(lanes_all(31), lanes_asr(up, 1))};
-}
-
-LANES_INLINE lanes slides_unit(slides_root root, lanes v) {
-  const longs product = longs_shr_by(longs_mul_u(slides_size(v), root.inverse), root.h);
-  const lanes unit = longs_low(longs_shr(longs_add(product, longs_all(1)), 1));
-  return slides_signed(lanes_min(unit, lanes_all(1 << 30)), v);
-}
-
-LANES_INLINE lanes slides_scaled(lanes unit, lanes length) {
-  return longs_round(longs_mul(unit, length), 30);
-}
-
 LANES_INLINE void slides_half_way(const slides *s, int back, lanes half[3]) {
-  SLIDES_UNROLLED
+  LONGS_UNROLLED
   for (int n = 0; n < 3; ++n) half[n] = lanes_asr(lanes_sub(s->way[back + 1][n], s->way[back][n]), 1);
 }
 
 /* Towards the side on which the warp is. */
 LANES_INLINE void slides_side(const slides *s, const lanes a[3], const lanes b[3], lanes side[3]) {
   const lane_mask under = slides_has(s->facts, SLIDE_UNDER);
-  SLIDES_UNROLLED
+  LONGS_UNROLLED
   for (int n = 0; n < 3; ++n) {
     const int m = (n + 1) % 3;
     const int o = (n + 2) % 3;
@@ -353,10 +286,10 @@ LANES_INLINE void slides_friction(const slide_view *v, slides *s, const lanes no
                                   lanes back[3]) {
   lanes slip[3];
   longs dot = longs_all(0);
-  SLIDES_UNROLLED
+  LONGS_UNROLLED
   for (int n = 0; n < 3; ++n) {
     longs sum = longs_all(0);
-    SLIDES_UNROLLED
+    LONGS_UNROLLED
     for (int e = 0; e < 4; ++e) {
       const uint32_t *id = s->id[slides_ends[e]];
       const lanes since = lanes_sub(s->at[slides_ends[e]][n], lanes_of(v->predicted[n], id));
@@ -369,17 +302,17 @@ LANES_INLINE void slides_friction(const slide_view *v, slides *s, const lanes no
     dot = longs_add(dot, longs_mul(slip[n], normal[n]));
   }
   const lanes along = longs_round(dot, 30);
-  SLIDES_UNROLLED
-  for (int n = 0; n < 3; ++n) slip[n] = lanes_sub(slip[n], slides_scaled(normal[n], along));
+  LONGS_UNROLLED
+  for (int n = 0; n < 3; ++n) slip[n] = lanes_sub(slip[n], lanes_scaled(normal[n], along));
   const lanes limit = lanes_add(lanes_all(v->grip),
                                 longs_low(longs_shr(longs_mul(pressed, lanes_all(v->friction)), 16)));
   const longs squared = longs_squared(slip);
   const lane_mask longer = longs_negative(longs_sub(longs_mul(limit, limit), squared));
   lanes m;
-  const slides_root root = slides_rsqrt(squared, &m);
-  SLIDES_UNROLLED
+  const lanes_root root = lanes_rsqrt(squared, &m);
+  LONGS_UNROLLED
   for (int n = 0; n < 3; ++n)
-    back[n] = lanes_pick(longer, slides_scaled(slides_unit(root, slip[n]), limit), slip[n]);
+    back[n] = lanes_pick(longer, lanes_scaled(lanes_unit(root, slip[n]), limit), slip[n]);
 }
 
 /* The way by which the gap is to grow; `quiet`: no velocity may change. */
@@ -402,31 +335,31 @@ LANES_INLINE lane_mask slides_way(const slide_view *v, slides *s, lanes way[3]) 
     through = lanes_both(behind, slides_clear(s, warp, weft, side));
   through = lanes_without(through, together);
   if (lanes_bits(together) != 0) {
-    SLIDES_UNROLLED
+    LONGS_UNROLLED
     for (int n = 0; n < 3; ++n) gap[n] = lanes_pick(together, side[n], gap[n]);
     squared = longs_squared(gap);
   }
-  const slides_root root = slides_rsqrt(squared, &m);
-  const lanes length = longs_low(longs_shr_by(longs_mul_u(m, root.inverse), lanes_sub(lanes_all(61), root.h)));
+  const lanes_root root = lanes_rsqrt(squared, &m);
+  const lanes length = lanes_root_length(root, m);
   const lanes pulled = lanes_pick(through, lanes_sub(nothing, most),
                                   lanes_clamp(lanes_sub(lanes_all(v->thickness), length), v->thickness / 4));
   const lanes by = lanes_pick(together, most, pulled);
   const lane_mask quiet = lanes_either(together, through);
-  SLIDES_UNROLLED
+  LONGS_UNROLLED
   for (int n = 0; n < 3; ++n) {
-    normal[n] = slides_unit(root, gap[n]);
-    way[n] = slides_scaled(normal[n], by);
+    normal[n] = lanes_unit(root, gap[n]);
+    way[n] = lanes_scaled(normal[n], by);
   }
   if ((v->friction | v->grip) != 0) {
     lanes back[3];
-    slides_friction(v, s, normal, slides_size(by), back);
-    SLIDES_UNROLLED
+    slides_friction(v, s, normal, lanes_size(by), back);
+    LONGS_UNROLLED
     for (int n = 0; n < 3; ++n) way[n] = lanes_sub(way[n], lanes_pick(quiet, nothing, back[n]));
   }
   const lane_mask moves = lanes_both(lanes_above(lanes_all(INT32_MAX), s->least),
                                      lanes_either(lanes_differ(longs_high(squared), nothing),
                                                   lanes_differ(longs_low(squared), nothing)));
-  SLIDES_UNROLLED
+  LONGS_UNROLLED
   for (int n = 0; n < 3; ++n) {
     way[n] = lanes_keep(moves, way[n]);
     s->far = slides_farther(s->far, way[n]);
@@ -446,7 +379,7 @@ typedef struct {
 LANES_INLINE void slides_weigh(slides *s, slides_weights *k) {
   const lanes one = lanes_all(1);
   lanes ease[4] = {lanes_all(2), one, lanes_all(2), one};
-  SLIDES_UNROLLED
+  LONGS_UNROLLED
   for (int yarn = 0; yarn < 2; ++yarn) {
     const uint32_t bit = (uint32_t)SLIDE_LIGHT << 2 * yarn;
     const lanes first = lanes_keep(slides_has(s->facts, bit), one);
@@ -460,7 +393,7 @@ LANES_INLINE void slides_weigh(slides *s, slides_weights *k) {
   lanes ids = lanes_load((const int32_t *)s->id[slides_ends[0]]);
   k->b_last = s->b[0];
   k->unit = lanes_all(1 << FX_SUB_BITS);
-  SLIDES_UNROLLED
+  LONGS_UNROLLED
   for (int n = 0; n < 4; ++n) {
     const lanes share = lanes_mul(ease[n], s->b[n]);
     const lane_mask more = lanes_above(share, most);
@@ -474,10 +407,10 @@ LANES_INLINE void slides_weigh(slides *s, slides_weights *k) {
   lanes_store((int32_t *)k->id, ids);
   const lane_mask all = lanes_above(one, lanes_all(0));
   lanes part[4];
-  SLIDES_UNROLLED
+  LONGS_UNROLLED
   for (int n = 0; n < 4; ++n) part[n] = lanes_mul(ease[n], s->b[n]);
   slides_ratios(part, sum, k->share);
-  SLIDES_UNROLLED
+  LONGS_UNROLLED
   for (int n = 0; n < 4; ++n) {
     k->heavy[n] = lanes_above(lanes_all(2), ease[n]);
     k->last[n] = lanes_without(all, lanes_differ(last, lanes_all(n)));
@@ -504,7 +437,7 @@ LANES_INLINE void slides_follow(const slide_view *v, const slides *s, int axis, 
 LANES_INLINE void slides_put(const slide_view *v, const slides *s, const slides_weights *k, int axis,
                              const slides_step *t, lane_mask quiet) {
   lanes apart = lanes_all(0);
-  SLIDES_UNROLLED
+  LONGS_UNROLLED
   for (int n = 0; n < 4; ++n) {
     const int e = slides_ends[n];
     const lanes by = lanes_add(t->moved[n], lanes_keep(k->last[n], t->rest));
@@ -524,26 +457,26 @@ LANES_INLINE void slides_move(const slide_view *v, const slides *s, const slides
   slides_step t[3];
   lanes n[3], d[3], quotient[3];
   lane_mask more = lanes_above(lanes_all(0), lanes_all(0));
-  SLIDES_UNROLLED
+  LONGS_UNROLLED
   for (int axis = 0; axis < 3; ++axis) {
     lanes missing = lanes_shl(way[axis], 15);
-    SLIDES_UNROLLED
+    LONGS_UNROLLED
     for (int e = 0; e < 4; ++e) {
       t[axis].moved[e] = longs_round(longs_mul(way[axis], k->share[e]), 15);
       missing = lanes_sub(missing, lanes_mul(t[axis].moved[e], s->b[e]));
     }
     t[axis].missing = missing;
     d[axis] = k->b_last;
-    n[axis] = lanes_add(slides_size(missing), lanes_asr(k->b_last, 1));
+    n[axis] = lanes_add(lanes_size(missing), lanes_asr(k->b_last, 1));
     more = lanes_either(more, lanes_above(n[axis], lanes_shl(d[axis], 5)));
   }
   if (lanes_bits(more) != 0)
     slides_divide(n, d, 16, 3, quotient);
   else
     slides_divide(n, d, 6, 3, quotient);
-  SLIDES_UNROLLED
+  LONGS_UNROLLED
   for (int axis = 0; axis < 3; ++axis) {
-    t[axis].rest = slides_signed(quotient[axis], t[axis].missing);
+    t[axis].rest = lanes_signed(quotient[axis], t[axis].missing);
     slides_put(v, s, k, axis, &t[axis], quiet);
   }
 }

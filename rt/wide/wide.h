@@ -8,6 +8,7 @@
 
 #include "rt/base/hash.h"
 #include "rt/fray.h"
+#include "rt/wide/inner.h"
 #include "rt/wide/level.h"
 #include "rt/wide/link.h"
 #include "rt/wide/reach.h"
@@ -42,6 +43,13 @@
   /* couples first..end-1, which share no particle */                                           \
   X(set, slide, (const slide_view *v, uint32_t first, uint32_t end), (v, first, end), wide_none, \
     slides_run)                                                                                  \
+  /* triangles, creases, vertices first..end-1 of an inner step */                              \
+  X(set, pull, (const pull_view *v, uint32_t first, uint32_t end), (v, first, end), wide_none,   \
+    pulls_run)                                                                                   \
+  X(set, fold, (const fold_view *v, uint32_t first, uint32_t end), (v, first, end), wide_none,   \
+    folds_run)                                                                                   \
+  X(set, inner, (const inner_view *v, uint32_t first, uint32_t end), (v, first, end), wide_none, \
+    inner_steps)                                                                                 \
   X(set, hash_words, (hash * h, const int32_t *const *words, uint32_t count), (h, words, count), \
     wide_none, digest_of_words)                                                                  \
   X(set, hash_bytes, (hash * h, const int8_t *const *bytes, uint32_t count), (h, bytes, count),  \

@@ -70,7 +70,7 @@ BARE size_t bare_carve(bare_sheet *b) {
   w->habits = bare_take(b, &used, triangles, sizeof(habit));
   w->stress = bare_take(b, &used, triangles, sizeof(tensor));
   w->pull = bare_take(b, &used, triangles, sizeof(pull_row));
-  w->sum_x = bare_take(b, &used, particles, 4);
+  w->sums = bare_take(b, &used, particles, sizeof(inner_sum));
   return used;
 }
 

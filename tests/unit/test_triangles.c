@@ -216,9 +216,9 @@ static void impulses_cancel(void) {
     const fray_output out = fixture_tick(&f, &fixture_idle);
     int64_t sum[3] = {0, 0, 0};
     for (uint32_t p = 0; p < f.w->particles; ++p) {
-      sum[0] += f.w->sum_x[p];
-      sum[1] += f.w->sum_y[p];
-      sum[2] += f.w->sum_z[p];
+      sum[0] += f.w->sums[p].x;
+      sum[1] += f.w->sums[p].y;
+      sum[2] += f.w->sums[p].z;
     }
     for (uint32_t n = 0; n < 3; ++n) CHECK_EQ_INT(sum[n], 0);
     CHECK(fixture_within(&out.work, &most));

@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Records of four words, as many as there are lanes: their words in lanes, and back. */
+#ifndef FRAY_WIDE_RECORDS_H
+#define FRAY_WIDE_RECORDS_H
+
+#include "rt/wide/longs.h"
+
+#ifdef LANES_LONGS
+/* A block is four lanes; n of a group is n of every block. */
+LANES_INLINE lanes records_group(const int32_t *from, uint32_t words, const uint32_t at[LANES], uint32_t n) {
+#if defined(__AVX512F__) && defined(FRAY_WIDE_LANES_AVX512_H)
+  return lanes_four(from + words * at[n], from + words * at[n + 4], from + words * at[n + 8],
+                    from + words * at[n + 12]);
+#else
+  return lanes_four(from + words * at[n], from + words * at[n + 4]);
+#endif
+}
+
+/* Word k of the record at[n], of so many words each, comes to stand in lane n of word[k]. */
+LANES_INLINE void records_take(const int32_t *from, uint32_t words, const uint32_t at[LANES], lanes word[4]) {
+  const lanes a = records_group(from, words, at, 0);
+  const lanes b = records_group(from, words, at, 1);
+  const lanes c = records_group(from, words, at, 2);
+  const lanes d = records_group(from, words, at, 3);
+  const lanes ab = lanes_mix_low(a, b);
+  const lanes cd = lanes_mix_low(c, d);
+  const lanes ab_high = lanes_mix_high(a, b);
+  const lanes cd_high = lanes_mix_high(c, d);
+  word[0] = lanes_twos_low(ab, cd);
+  word[1] = lanes_twos_high(ab, cd);
+  word[2] = lanes_twos_low(ab_high, cd_high);
+  word[3] = lanes_twos_high(ab_high, cd_high);
+}
+
+/* The other way round: record 4 b + n stands in block b of group[n]. */
+LANES_INLINE void records_split(const lanes word[4], lanes group[4]) {
+  const lanes xy = lanes_mix_low(word[0], word[1]);
+  const lanes zw = lanes_mix_low(word[2], word[3]);
+  const lanes xy_high = lanes_mix_high(word[0], word[1]);
+  const lanes zw_high = lanes_mix_high(word[2], word[3]);
+  group[0] = lanes_twos_low(xy, zw);
+  group[1] = lanes_twos_high(xy, zw);
+  group[2] = lanes_twos_low(xy_high, zw_high);
+  group[3] = lanes_twos_high(xy_high, zw_high);
+}
+
+/* Adds the first three words to records of four; lanes may name the same record. */
+LANES_INLINE void records_add(int32_t *to, const uint32_t at[LANES], uint32_t count, const lanes word[4]) {
+  lanes group[4];
+  int32_t words[4][LANES];
+  records_split(word, group);
+  LONGS_UNROLLED
+  for (int n = 0; n < 4; ++n) lanes_store(words[n], group[n]);
+  for (uint32_t n = 0; n < count; ++n) {
+    __m128i *record = (__m128i *)(void *)(to + 4u * at[n]);
+    const __m128i more = _mm_loadu_si128((const __m128i *)(const void *)&words[n % 4u][n & ~3u]);
+    _mm_storeu_si128(record, _mm_add_epi32(_mm_loadu_si128(record), more));
+  }
+}
+
+/* Puts them at to, one after the other. */
+LANES_INLINE void records_put(int32_t *to, const lanes word[4]) {
+  lanes group[4];
+  int32_t words[4][LANES];
+  records_split(word, group);
+  LONGS_UNROLLED
+  for (int n = 0; n < 4; ++n) lanes_store(words[n], group[n]);
+  LONGS_UNROLLED
+  for (int n = 0; n < LANES; ++n)
+    _mm_storeu_si128((__m128i *)(void *)(to + 4 * n), _mm_loadu_si128((const __m128i *)(const void *)&words[n % 4][n & ~3]));
+}
+#endif
+
+#endif

@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Inner steps of triangle sheets: every kernel that this machine has against the scalar code, to the last
+ * bit. Irregular meshes; vertices where the sheet has them and thrown together, in a plane, on a line, at
+ * one point, apart by the size of the world; gains, weights, creases, loads and speeds of their own and
+ * any. All that kernels read and write ends where the next page faults.
+ *
+ *   test_wide_sheets [ROWS]     triangles, 2,000,000 unless told, a tenth under sanitizers */
+#define _DEFAULT_SOURCE 1 /* mmap without a file */
+#include "tests/lib/test.h"
+
+#include "rt/stage/stage.h"
+#include "tests/lib/guarded.h"
+#include "tests/lib/wide_kernels.h"
+#include "tests/lib/world_fixture.h"
+
+enum { ROUNDS = 12, ARRAYS = 13, STEPS = 3, VERTICES = 256 };
+
+static uint64_t rows_asked = GUARDED_SLOW ? 200000 : 2000000;
+
+/* What a kernel gets: arrays of the world, each in pages of its own. */
+typedef struct {
+  guarded pages[ARRAYS];
+  size_t bytes[ARRAYS];
+  uint8_t *first[ARRAYS]; /* what they hold before a kernel */
+  uint8_t *found[ARRAYS]; /* and after the scalar code */
+} arrays;
+
+#define MOVE(k, field, count) \
+  w->field = move(a, k, w->field, (size_t)(count) * sizeof *w->field)
+
+static void *move(arrays *a, size_t k, const void *from, size_t bytes) {
+  a->pages[k] = guarded_make(bytes);
+  a->bytes[k] = bytes;
+  a->first[k] = malloc(bytes);
+  a->found[k] = malloc(bytes);
+  void *at = guarded_place(&a->pages[k], bytes, below(4) != 0);
+  memcpy(at, from, bytes);
+  return at;
+}
+
+static void move_all(arrays *a, fray_world *w) {
+  const uint32_t particles = w->particles;
+  const uint32_t triangles = (uint32_t)w->sheet.state->triangles;
+  MOVE(0, places, particles);
+  MOVE(1, sums, particles);
+  MOVE(2, given, particles);
+  MOVE(3, inverse, particles);
+  MOVE(4, vx, particles);
+  MOVE(5, vy, particles);
+  MOVE(6, vz, particles);
+  MOVE(7, low_x, particles);
+  MOVE(8, low_y, particles);
+  MOVE(9, low_z, particles);
+  MOVE(10, pull, triangles);
+  MOVE(11, sheet.weights, triangles);
+  MOVE(12, creases, w->crease_count);
+}
+
+static void free_all(arrays *a) {
+  const size_t page = (size_t)sysconf(_SC_PAGESIZE);
+  for (size_t k = 0; k < ARRAYS; ++k) {
+    CHECK(guarded_intact(&a->pages[k]));
+    free(a->first[k]);
+    free(a->found[k]);
+    munmap(a->pages[k].pages - page, a->pages[k].pages_bytes + 2 * page);
+  }
+}
+
+static void keep(const arrays *a, uint8_t *const to[ARRAYS]) {
+  for (size_t k = 0; k < ARRAYS; ++k) memcpy(to[k], a->pages[k].at, a->bytes[k]);
+}
+static void put(const arrays *a) {
+  for (size_t k = 0; k < ARRAYS; ++k) memcpy(a->pages[k].at, a->first[k], a->bytes[k]);
+}
+static int is_found(const arrays *a) {
+  for (size_t k = 0; k < ARRAYS; ++k)
+    if (memcmp(a->pages[k].at, a->found[k], a->bytes[k]) != 0) return 0;
+  return 1;
+}
+
+static int32_t any(void) { return (int32_t)random_word() >> below(31); }
+
+static void throw_vertices(const fray_world *w) {
+  const uint32_t shape = below(8);
+  const uint32_t away = 1u << (2 + below(below(4) == 0 ? 28 : 22));
+  int32_t *const x[3] = {w->x, w->y, w->z};
+  for (uint32_t p = 0; p < w->particles; ++p)
+    for (uint32_t n = 0; n < 3; ++n) {
+      const int32_t off = (int32_t)below(away) - (int32_t)(away / 2);
+      const int is_flat = (shape == 0 && n == 2) || (shape == 1 && n != 0) || (shape == 2 && below(3) == 0);
+      x[n][p] = is_flat ? 0 : (int32_t)fx_clamp64((int64_t)x[n][p] + off, -FX_WORLD_MAX, FX_WORLD_MAX);
+      if (p != 0 && below(40) == 0) x[n][p] = x[n][p - 1];
+    }
+}
+
+static void throw_gains(const fray_world *w) {
+  const uint32_t triangles = (uint32_t)w->sheet.state->triangles;
+  int32_t *const speed[3] = {w->vx, w->vy, w->vz};
+  if (below(3) == 0)
+    for (uint32_t t = 0; t < triangles; ++t)
+      for (uint32_t n = 0; n < FABRIC_ENTRIES; ++n) w->pull[t].c[n] = any();
+  if (below(6) == 0)
+    for (uint32_t t = 0; t < triangles; ++t) w->sheet.weights[t] = (sheet_weights){any(), any(), any(), any()};
+  if (below(3) == 0)
+    for (uint32_t n = 0; n < w->crease_count; ++n) {
+      crease *c = &w->creases[n];
+      for (uint32_t k = 0; k < FABRIC_CURVES; ++k) c->stiff[k] = any() & INT32_MAX;
+      c->reach = any() & INT32_MAX;
+      for (uint32_t k = 0; k < 2; ++k) c->height[k] = any() & INT32_MAX;
+      for (uint32_t k = 0; k < 2; ++k) c->foot[k] = between(-(2 << 24), 2 << 24);
+    }
+  for (uint32_t p = 0; p < w->particles; ++p) {
+    for (uint32_t n = 0; n < 3; ++n) speed[n][p] = fx_clamp(any(), -FX_SPEED_MAX, FX_SPEED_MAX);
+    if (below(8) == 0) w->inverse[p] = any() & INT32_MAX;
+    w->given[p] = (inner_sum){fx_clamp(any(), -(1 << 22), 1 << 22), 0, any() >> 9, 0};
+  }
+}
+
+static void make_sheet(fixture *f) {
+  static const char *const cloths[] = {"denim", "pants", "t-shirt", "paper"};
+  fixture_print(f, "scene sheets\nrate 1000 Hz\ntriangles {\n columns %u\n rows %u\n edge 1 cm\n mesh irregular "
+                   "%u\n material %s\n drag %u /s\n}\npin column left\n",
+                3 + below(10), 2 + below(7), 1 + below(9), cloths[below(4)], below(3));
+}
+
+/* Where vertices are, which all kernels begin with. */
+typedef struct {
+  int32_t x[3][VERTICES];
+} positions;
+
+static void take(const fray_world *w, positions *p) {
+  const int32_t *const x[3] = {w->x, w->y, w->z};
+  for (uint32_t n = 0; n < 3; ++n) memcpy(p->x[n], x[n], 4 * w->particles);
+}
+
+static void begin(fray_world *w, const positions *p) {
+  int32_t *const x[3] = {w->x, w->y, w->z};
+  int8_t *const r[3] = {w->rx, w->ry, w->rz};
+  for (uint32_t n = 0; n < 3; ++n) {
+    memcpy(x[n], p->x[n], 4 * w->particles);
+    memset(r[n], 0, w->particles);
+  }
+}
+
+static void run(fray_world *w, const positions *from, fray_kernel kernel) {
+  fray_use(w, kernel);
+  begin(w, from);
+  inner_run(w, 0);
+}
+
+static void sheets_are_as_scalar(void) {
+  fray_kernel kernels[WIDE_KERNELS];
+  const uint32_t count = wide_kernels(kernels);
+  uint64_t different[WIDE_KERNELS] = {0};
+  uint64_t rows = 0;
+  uint64_t creases = 0;
+  while (rows < rows_asked) {
+    fixture f;
+    make_sheet(&f);
+    fray_world *w = f.w;
+    fixture_tick(&f, &fixture_idle); /* fills what follows from the state */
+    ((cloth_params *)(uintptr_t)w->cloths)->inner = STEPS;
+    ((cloth_params *)(uintptr_t)w->cloths)->bend_every = 1;
+    arrays a;
+    positions home;
+    positions thrown;
+    move_all(&a, w);
+    take(w, &home);
+    for (uint32_t round = 0; round < ROUNDS; ++round) {
+      begin(w, &home);
+      throw_vertices(w);
+      throw_gains(w);
+      take(w, &thrown);
+      keep(&a, a.first);
+      run(w, &thrown, FRAY_KERNEL_SCALAR);
+      keep(&a, a.found);
+      for (uint32_t k = 0; k < count; ++k) {
+        put(&a);
+        run(w, &thrown, kernels[k]);
+        different[k] += !is_found(&a);
+      }
+      rows += STEPS * (uint32_t)w->sheet.state->triangles;
+      creases += STEPS * w->crease_count;
+    }
+    free_all(&a);
+    fixture_close(&f);
+  }
+  for (uint32_t k = 0; k < count; ++k) {
+    printf("figure sheets_as_scalar_%s %llu triangles, %llu creases, sheets that differ %llu (asked: 0)\n",
+           wide_kernel_names[kernels[k]], (unsigned long long)rows, (unsigned long long)creases,
+           (unsigned long long)different[k]);
+    CHECK_EQ_INT(different[k], 0);
+  }
+}
+
+int main(int argc, char **argv) {
+  if (argc > 1) rows_asked = strtoull(argv[1], NULL, 10);
+  TEST(sheets_are_as_scalar);
+  return test_end();
+}
