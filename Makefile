@@ -105,7 +105,7 @@ test: $(FRAY) $(TESTS) $(HELPERS) $(IMAGE_16) $(WIDE_16) $(FX_NARROW) ## run eve
 	  sh tests/run_all.sh $(TESTS) $(IMAGE_16) $(WIDE_16) $(FX_NARROW)
 
 ROWS ?= 100000000
-WIDE_TESTS := $(BUILD)/tests/unit/test_wide $(WIDE_16) $(addprefix $(BUILD)/tests/unit/,test_wide_sweeps test_wide_contacts test_wide_slides)
+WIDE_TESTS := $(BUILD)/tests/unit/test_wide $(WIDE_16) $(addprefix $(BUILD)/tests/unit/,test_wide_sweeps test_wide_contacts test_wide_slides test_wide_sheets)
 wide: $(WIDE_TESTS) ## wide kernels against the scalar code, ROWS (10^8) random rows of each kind
 	@for program in $(WIDE_TESTS); do echo "$$program $(ROWS)"; ./$$program $(ROWS) || exit 1; done
 

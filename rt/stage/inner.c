@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Inner steps of triangle sheets: a substep of predict, with the stress and the bending, which want
  * shorter ones. */
-#include "rt/base/bytes.h"
 #include "rt/stage/stage.h"
 #include "rt/wide/wide.h"
 
@@ -102,6 +101,10 @@ static void begin_inner(fray_world *w) {
   }
 }
 
+static void begin_sums(fray_world *w) {
+  for (uint32_t p = 0; p < w->particles; ++p) w->sums[p] = w->given[p];
+}
+
 /* Back to Q24 and 8 bits; what is below Q28 is dropped, less than half a step of velocity. Returns not 0
  * where it is at the edge of the world. */
 static uint32_t end_axis(int32_t *x, int32_t *q, int8_t *r, int32_t at) {
@@ -130,7 +133,7 @@ void inner_run(fray_world *w, uint32_t substep) {
   inner_view view = view_of(w);
   begin_inner(w);
   for (int32_t step = 0; step < inner; ++step) {
-    bytes_copy(w->sums, w->given, w->particles * sizeof *w->sums);
+    begin_sums(w);
     pull_triangles(w);
     if (w->cloths->bend_every != 0 && step % w->cloths->bend_every == 0) fold_sides(w);
     begin_step(w, &view, substep, step);

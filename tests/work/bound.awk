@@ -64,8 +64,8 @@ function rounds(what) {
   if (what == "keys") return keys
   if (what == "hash_words") return 6 * particles + 40 + 12 * bodies + 5 * yarns + (triangles ? 13 + 6 * triangles : 0)
   if (what == "hash_bytes") return 3 * particles
-  if (what == "zeroed") return output_bytes + motion_bytes * bodies + 64 + (triangles ? 24 * particles : 0)
-  if (what == "zeroed_words") return (output_bytes + motion_bytes * bodies) / 4 + 64 + (triangles ? 6 * particles : 0)
+  if (what == "zeroed") return output_bytes + motion_bytes * bodies + 64 + (triangles ? 32 * particles : 0)
+  if (what == "zeroed_words") return (output_bytes + motion_bytes * bodies) / 4 + 64 + (triangles ? 8 * particles : 0)
   if (what == "rise_steps") return most["cuts"] * depth
   if (what == "sink_steps") return most["tear_tests"] * depth
   if (what == "triangles") return triangles
@@ -80,13 +80,12 @@ function rounds(what) {
   if (what == "lines") return 6 * triangles
   if (what == "sheet_steps") return sheet_inner * substeps
   if (what == "pulls") return triangles * sheet_inner * substeps
-  # each side is folded once, but its loop is counted as if all three of a triangle were
-  if (what == "fold_triangles") return triangles * folds * substeps
-  if (what == "begun_vertices") return (triangles != 0) * 3 * particles * substeps
-  if (what == "summed_vertices") return 3 * particles * sheet_inner * substeps
-  if (what == "held_pulls") return 3 * held * sheet_inner * substeps
-  if (what == "axis_pulled") return 3 * (particles - held) * sheet_inner * substeps
-  if (what == "ended_vertices") return (triangles != 0) * 3 * (particles - held) * substeps
+  if (what == "folds") return triangles * 3 / 2 * folds * substeps
+  if (what == "begun_vertices") return (triangles != 0) * particles * substeps
+  if (what == "summed_vertices") return particles * sheet_inner * substeps
+  if (what == "held_pulls") return held * sheet_inner * substeps
+  if (what == "vertices_pulled") return (particles - held) * sheet_inner * substeps
+  if (what == "ended_vertices") return (triangles != 0) * (particles - held) * substeps
   print "bound.awk: no count " what >"/dev/stderr"
   exit 2
 }
