@@ -3,6 +3,8 @@
  * images with any bit flipped; save and restore; impulses that cancel. */
 #include "rt/base/bytes.h"
 #include "tests/lib/test.h"
+
+#include "rt/stage/stage.h"
 #include "tests/lib/world_fixture.h"
 
 static const char small[] = "scene small\nwind 2 0 1 m/s\ntriangles {\n columns 3\n rows 2\n edge "
@@ -227,8 +229,40 @@ static void impulses_cancel(void) {
   fixture_close(&f);
 }
 
+/* A sheet rolled on a cylinder of 8 cm: its sides along the axis are bent by 12.5 / m, 2.5 steps of the
+ * table, in which the stiffness doubles from step to step. */
+static void stiffness_goes_by_the_curvature(void) {
+  fixture f;
+  fixture_print(&f, "scene rolled\ngravity 0 0 0 cm/s2\ntriangles {\n columns 8\n rows 4\n edge 0.5 cm\n "
+                    "material own\n}\nmaterial own {\n density 200 g/m2\n isotropic 400 N/m 0.3\n"
+                    " bend 0 10 20 40 80 160 uNm\n bend 45 10 20 40 80 160 uNm\n"
+                    " bend 90 10 20 40 80 160 uNm\n}\n");
+  fray_world *w = f.w;
+  const double radius = 0.08 / (f.facts.lu_um * 1e-6);
+  uint32_t found = 0;
+  fixture_tick(&f, &fixture_idle);
+  for (uint32_t p = 0; p < w->particles; ++p) {
+    const double turn = w->sheet.u[p] / (double)FX_LU / radius;
+    w->x[p] = (int32_t)lrint(radius * sin(turn) * FX_LU);
+    w->y[p] = w->sheet.v[p];
+    w->z[p] = (int32_t)lrint(radius * cos(turn) * FX_LU);
+  }
+  creases_weigh(w);
+  for (uint32_t n = 0; n < w->crease_count; ++n) {
+    const crease *c = &w->creases[n];
+    if (abs(w->sheet.u[c->x[2]] - w->sheet.u[c->x[3]]) > 100) continue;
+    const double half = 0.005 / 0.08 / 2; /* of the angle between two cells */
+    CHECK(fabs(half * c->reach * 4 / (1 << 24) - 2.5) < 0.01);
+    CHECK(fabs(c->stiff[2] / (double)c->stiff[0] - 4) < 1e-4);
+    ++found;
+  }
+  CHECK(found >= 7 * 4);
+  fixture_close(&f);
+}
+
 int main(void) {
   TEST(meshes_are_whole);
+  TEST(stiffness_goes_by_the_curvature);
   TEST(bad_text_is_refused);
   TEST(pins_by_a_body_hold);
   TEST(too_stiff_is_scaled);
