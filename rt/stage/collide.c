@@ -7,6 +7,7 @@
  * run, each substep: a particle closer to a body than the cloth's thickness is pushed out along
  * the body's normal, and held back along the surface by Coulomb friction, as a displacement. */
 #include "rt/model/couples.h"
+#include "rt/model/heft.h"
 #include "rt/stage/stage.h"
 #include "rt/wide/wide.h"
 
@@ -165,6 +166,7 @@ typedef struct {
   uint64_t touch; /* squared: a ball that is not nearer is apart; 0 for others */
   int32_t skin;
   int level;      /* a plane that faces up: its normal is (0, 1, 0) */
+  heft weighs;
 } encounter;
 
 static inline int is_level(const encounter *e) { return !FX_NARROW && e->level; }
@@ -177,6 +179,7 @@ static void begin_encounter(const fray_world *w, uint32_t b, encounter *e) {
   e->at = vec_make(at[0], at[1], at[2]);
   e->moved = vec_make(moved->x, moved->y, moved->z);
   e->skin = w->params->thickness;
+  e->weighs = heft_of(w);
   e->touch = !FX_NARROW && s->shape == FRAY_BALL ? fx_square(s->radius + e->skin) : 0;
   e->level = !FX_NARROW && s->shape == FRAY_PLANE && s->axes[3] == 0 && s->axes[4] == 1 << 30 &&
              s->axes[5] == 0;
@@ -205,6 +208,12 @@ __attribute__((always_inline)) static inline void resolve(fray_world *w, const e
   const vec3 wanted = vec_sub(out, vec_limited(vec_sub(moved, along), limit));
   const vec3 push = vec_make(move_within(w, &w->x[p], wanted.x), move_within(w, &w->y[p], wanted.y),
                              move_within(w, &w->z[p], wanted.z));
+  if (e->weighs.per_mass != 0) {
+    const int32_t mass = heft_at(&e->weighs, p);
+    body_gave(&w->motion[c->body], heft_times(mass, push.x, FX_SUB_BITS), heft_times(mass, push.y, FX_SUB_BITS),
+              heft_times(mass, push.z, FX_SUB_BITS));
+    return;
+  }
   const int light = world_has_yarns(w) && couple_is_light(w, p);
   const int64_t mass = light ? 1 << (FX_SUB_BITS - 1) : 1 << FX_SUB_BITS;
   body_gave(&w->motion[c->body], push.x * mass, push.y * mass, push.z * mass);
@@ -259,7 +268,7 @@ static inline uint32_t meet_body(fray_world *w, uint32_t b, uint32_t first, uint
   encounter e;
   uint32_t n = first;
   begin_encounter(w, b, &e);
-  if (is_level(&e) && w->kernel != FRAY_KERNEL_SCALAR) {
+  if (is_level(&e) && w->kernel != FRAY_KERNEL_SCALAR && !world_has_sheet(w)) {
     uint32_t last = first;
     while (last < end && w->contacts[last].body == b) ++last;
     n += meet_level(w, &e, b, first, last);

@@ -3,6 +3,7 @@
  * manipulated where particles touch bodies (Metaaphanon 2009, section 4, step 8, after Mueller
  * et al. 2007: a touching particle keeps no velocity away from the body that the push gave it). */
 #include "rt/model/couples.h"
+#include "rt/model/heft.h"
 #include "rt/stage/stage.h"
 #include "rt/wide/wide.h"
 
@@ -15,7 +16,7 @@ static int32_t parts_of(const fray_world *w, uint32_t p) {
   return world_has_yarns(w) && couple_is_light(w, p) ? 2 : 1;
 }
 
-static void settle_contact(fray_world *w, const contact *c) {
+static void settle_contact(fray_world *w, const contact *c, const heft *weighs) {
   const uint32_t p = c->particle;
   const int32_t *bv = w->body_states[c->body].velocity;
   const vec3 away = vec_make(fx_saturate((int64_t)w->vx[p] - bv[0]),
@@ -28,18 +29,25 @@ static void settle_contact(fray_world *w, const contact *c) {
   w->vx[p] = slowed(w->vx[p], lost.x * parts);
   w->vy[p] = slowed(w->vy[p], lost.y * parts);
   w->vz[p] = slowed(w->vz[p], lost.z * parts);
+  if (weighs->per_mass != 0) {
+    const int32_t mass = heft_at(weighs, p);
+    body_gave(&w->motion[c->body], -heft_times(mass, lost.x, 0), -heft_times(mass, lost.y, 0),
+              -heft_times(mass, lost.z, 0));
+    return;
+  }
   body_gave(&w->motion[c->body], -(int64_t)lost.x, -(int64_t)lost.y, -(int64_t)lost.z);
 }
 
 /* The same where the normal is (0, 1, 0). */
-static void settle_level(fray_world *w, const contact *c) {
+static void settle_level(fray_world *w, const contact *c, const heft *weighs) {
   const uint32_t p = c->particle;
   const int32_t speed = fx_saturate((int64_t)w->vy[p] - w->body_states[c->body].velocity[1]);
   if (speed <= 0) return;
   const int32_t parts = parts_of(w, p);
   const int32_t lost = speed / parts;
   w->vy[p] = slowed(w->vy[p], lost * parts);
-  body_gave(&w->motion[c->body], 0, -(int64_t)lost, 0);
+  const int64_t gave = weighs->per_mass != 0 ? heft_times(heft_at(weighs, p), lost, 0) : lost;
+  body_gave(&w->motion[c->body], 0, -gave, 0);
 }
 
 /* A free body gets the opposite of what the cloth gained from it since the last substep. */
@@ -64,12 +72,13 @@ void finish_part(fray_world *w, uint32_t first, uint32_t end) {
 }
 
 void finish_contacts(fray_world *w, uint32_t first, uint32_t end) {
+  const heft weighs = heft_of(w);
   for (uint32_t n = first; n < end; ++n) {
     const contact *c = &w->contacts[n];
     if (!FX_NARROW && c->touching == CONTACT_LEVEL)
-      settle_level(w, c);
+      settle_level(w, c, &weighs);
     else if (c->touching != 0)
-      settle_contact(w, c);
+      settle_contact(w, c, &weighs);
   }
 }
 
