@@ -43,14 +43,31 @@ static exact stiffest(const fabric_draft *f) {
   return most;
 }
 
-/* N = 1.7e-3 root(C / rho) / edge in a millisecond, whatever its units: its square, of a tick. */
+/* A sheet that is longer by l is stiffer by 3 l + 3/2 l^2: by the square of its length, and by its tension,
+ * which turns with it. So waves are faster by at most 3/2 l, and what hangs loose by a tear has no neighbours
+ * that hold it back. It is no longer than strain_limit lets it be; without one, than what tears it makes it,
+ * and C l is that tension. In steps of 1/64, so that exact numbers stay short. */
+static exact faster_drawn(const scene *s) {
+  const fabric_draft *f = &s->triangles.cloth;
+  exact l = s->triangles.strain_limit;
+  int64_t steps = 0;
+  exact most = exact_make(0, 1);
+  for (uint32_t n = 0; n < TOUGHNESS_DIRECTIONS; ++n)
+    if (exact_compare(f->strength[n], most) > 0) most = f->strength[n];
+  if (l.numerator == 0) l = exact_div(most, stiffest(f));
+  if (most.numerator != 0 && exact_to_fixed(exact_mul(l, exact_make(3, 2)), 6, &steps)) ++steps;
+  return exact_make(64 + fx_clamp64(steps, 0, 64 * 15), 64);
+}
+
+/* N = 1.7e-3 root(C / rho) / edge in a millisecond, whatever its units, and more by what a drawn sheet takes:
+ * its square, of a tick. */
 static exact steps_squared(const draft *d, int64_t edge) {
   const scene *s = d->scene;
   /* N/m over g/cm2 is 1000 cm2/s2; the edge is in Q24 lu, taken to 2^-12 of it so that squares fit */
   const exact speed = exact_mul(exact_div(stiffest(&s->triangles.cloth), s->triangles.cloth.density),
                                 exact_make(1000, 1));
   const exact length = exact_div(exact_make(edge >> 12, 4096), d->lu_per_cm);
-  const exact per_tick = exact_make(17, 10 * (int64_t)s->rate_hz);
+  const exact per_tick = exact_mul(exact_make(17, 10 * (int64_t)s->rate_hz), faster_drawn(s));
   const exact crossed = exact_div(exact_div(speed, length), length);
   return exact_mul(crossed, exact_mul(per_tick, per_tick));
 }
@@ -79,14 +96,14 @@ static int find_steps(draft *d, int64_t edge) {
   return 1;
 }
 
-/* What inner steps of this length can bear: heights of half the edge that calls for them, so weights of
- * twice its inverse. */
+/* What inner steps of this length can bear: heights of the edge that calls for them over root 2, and a
+ * little for rounding. What is lower is left 7/10 of that (rt/stage/pull.c). */
 static int32_t steepest(const draft *d, int64_t edge) {
   const int64_t steps = (int64_t)d->inner * d->substeps;
   const exact length = exact_make(edge >> 12, 4096);
   const exact slack = exact_div(exact_make(steps * steps, 1), exact_mul(steps_squared(d, edge), d->stiffness));
   int64_t fixed;
-  if (!exact_to_fixed(exact_div(exact_div(exact_mul(slack, exact_make(4, 1)), length), length), 12, &fixed))
+  if (!exact_to_fixed(exact_div(exact_div(exact_mul(slack, exact_make(21, 10)), length), length), 12, &fixed))
     return INT32_MAX;
   return (int32_t)fx_clamp64(fixed, 1 << 10, INT32_MAX);
 }
