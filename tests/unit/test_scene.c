@@ -217,7 +217,9 @@ static void reads_slits_and_pins_by_bodies(void) {
   check_fails(START "slit weft 2 5 8\n", 3, 1,
               "found a slit beside weft 2 from 5 to 8, expected it inside the grid: weft 0 to 4, from 0 "
               "to 7");
-  check_fails(START "slit row 2 5 8\n", 3, 6, "found 'row', expected warp or weft for 'slit'");
+  check_fails(START "slit side 2 5 8\n", 3, 6, "found 'side', expected warp, weft, column or row for 'slit'");
+  check_fails(START "slit row 2 5 8\n", 3, 1,
+              "found a slit along a line of triangles, expected 'slit warp' or 'slit weft' for this sheet");
   check_fails(START "pin row top by clamp\n", 3, 1,
               "found a pin by 'clamp', expected the name of a body");
 }

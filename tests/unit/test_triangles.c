@@ -88,7 +88,7 @@ static void bad_text_is_refused(void) {
                  7, "expected one of both");
   expect_refusal("scene x\nslit warp 1 0 1\ntriangles {\n columns 4\n rows 4\n edge 1 cm\n material "
                  "denim\n}\n",
-                 2, "expected it with a woven sheet");
+                 2, "expected 'slit column' or 'slit row' for this sheet");
 }
 
 /* Vertices that a pin names hang from its body, however far it is. */

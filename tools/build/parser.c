@@ -162,15 +162,12 @@ static void set_transition(scene *out) {
 static int one_sheet(parser *p, const block_seen *seen) {
   static const char *const of_triangles[] = {"wind", "material", "load"};
   const parser_place triangles = block_place(&scene_rule, seen, "triangles");
-  const parser_place slit = block_place(&scene_rule, seen, "slit");
   const parser_place first = {1, 1};
   if (p->out->sheet.present && triangles.line != 0)
     return parser_fail(p, triangles, "found 'triangles' beside a woven sheet, expected one of both; see "
                        "line %d", p->out->sheet.line);
   if (!p->out->sheet.present && triangles.line == 0)
     return parser_fail(p, first, "the scene has no 'sheet', expected one, or 'triangles'");
-  if (triangles.line != 0 && slit.line != 0)
-    return parser_fail(p, slit, "found 'slit' with 'triangles', expected it with a woven sheet");
   for (size_t k = 0; k < 3 && triangles.line == 0; k++) {
     const parser_place place = block_place(&scene_rule, seen, of_triangles[k]);
     if (place.line != 0)

@@ -78,9 +78,11 @@ typedef struct {
   int line, column;
 } scene_pin;
 
-/* Yarns that are cut before tick 0: what crosses between a yarn and the next one. */
+/* What is cut before tick 0: the yarns that cross between a yarn and the next one, or a triangle sheet along
+ * a line of its grid. */
 typedef struct {
   int beside_weft;            /* 0: the wefts from first to last, between warp `yarn` and the next; 1: warps */
+  int of_triangles;           /* along column `yarn` from row first to last; or along a row */
   uint32_t yarn, first, last; /* inside the grid (checked) */
   int line, column;
 } scene_slit;

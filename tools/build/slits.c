@@ -11,7 +11,7 @@ static int read_index(parser *p, uint32_t *index) {
 }
 
 int slits_read(parser *p, const block_key *key, void *target) {
-  static const char *const kinds[] = {"warp", "weft"};
+  static const char *const kinds[] = {"warp", "weft", "column", "row"};
   scene *out = (scene *)target;
   (void)key;
   if (out->slit_count == SCENE_SLITS) {
@@ -21,17 +21,48 @@ int slits_read(parser *p, const block_key *key, void *target) {
   scene_slit *slit = &out->slits[out->slit_count];
   slit->line = p->key_place.line;
   slit->column = p->key_place.column;
-  if (!value_read_choice(p, kinds, 2, &slit->beside_weft) || !read_index(p, &slit->yarn) ||
+  int kind;
+  if (!value_read_choice(p, kinds, 4, &kind) || !read_index(p, &slit->yarn) ||
       !read_index(p, &slit->first) || !read_index(p, &slit->last))
     return 0;
+  slit->beside_weft = kind % 2;
+  slit->of_triangles = kind / 2;
   out->slit_count++;
   return 1;
+}
+
+/* Only a regular mesh has sides along the lines of its grid. */
+static int check_of_triangles(parser *p, const scene_slit *slit) {
+  const scene *out = p->out;
+  const parser_place place = {slit->line, slit->column};
+  const uint32_t columns = out->triangles.columns, rows = out->triangles.rows;
+  const uint32_t lines = slit->beside_weft ? rows : columns;
+  const uint32_t along = slit->beside_weft ? columns : rows;
+  if (out->triangles.mesh != MESH_REGULAR)
+    return parser_fail(p, place, "found a slit in a mesh that is not regular, expected 'mesh regular'");
+  if (slit->yarn != 0 && slit->yarn < lines && slit->first < slit->last && slit->last <= along) return 1;
+  return parser_fail(p, place,
+                     "found a slit along %s %u from %u to %u, expected it inside the grid: %s 1 to %u, from "
+                     "0 to %u",
+                     slit->beside_weft ? "row" : "column", (unsigned)slit->yarn, (unsigned)slit->first,
+                     (unsigned)slit->last, slit->beside_weft ? "row" : "column", (unsigned)lines - 1u,
+                     (unsigned)along);
 }
 
 int slits_check(parser *p) {
   const scene *out = p->out;
   for (uint32_t n = 0; n < out->slit_count; n++) {
     const scene_slit *slit = &out->slits[n];
+    if (slit->of_triangles != out->triangles.present) {
+      const parser_place wrong = {slit->line, slit->column};
+      return parser_fail(p, wrong, "found a slit along a %s, expected %s for this sheet",
+                         slit->of_triangles ? "line of triangles" : "yarn",
+                         slit->of_triangles ? "'slit warp' or 'slit weft'" : "'slit column' or 'slit row'");
+    }
+    if (slit->of_triangles) {
+      if (!check_of_triangles(p, slit)) return 0;
+      continue;
+    }
     const uint32_t beside = slit->beside_weft ? out->sheet.wefts : out->sheet.warps;
     const uint32_t across = slit->beside_weft ? out->sheet.warps : out->sheet.wefts;
     if (slit->yarn + 1 < beside && slit->first <= slit->last && slit->last < across) continue;

@@ -210,6 +210,7 @@ int draft_triangles(draft *d, void **memory, fray_world **world) {
            draft_params(d, WRITABLE(params, w->params)) && draft_cloths(d, w);
     if (good) {
       sheet_derive(w);
+      good = draft_sheet_slits(d, w);
       const uint64_t now = sheet_topology(w);
       w->state->topology[0] = (int32_t)(uint32_t)(now & 0xFFFFFFFFu);
       w->state->topology[1] = (int32_t)(uint32_t)(now >> 32);
