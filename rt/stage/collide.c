@@ -166,12 +166,12 @@ typedef struct {
   uint64_t touch; /* squared: a ball that is not nearer is apart; 0 for others */
   int32_t skin;
   int level;      /* a plane that faces up: its normal is (0, 1, 0) */
-  heft weighs;
+  const heft *weighs;
 } encounter;
 
 static inline int is_level(const encounter *e) { return !FX_NARROW && e->level; }
 
-static void begin_encounter(const fray_world *w, uint32_t b, encounter *e) {
+static void begin_encounter(const fray_world *w, uint32_t b, const heft *weighs, encounter *e) {
   const body *s = &w->bodies[b];
   const int32_t *at = w->body_states[b].position;
   const vec3 *moved = &w->motion[b].moved;
@@ -179,7 +179,7 @@ static void begin_encounter(const fray_world *w, uint32_t b, encounter *e) {
   e->at = vec_make(at[0], at[1], at[2]);
   e->moved = vec_make(moved->x, moved->y, moved->z);
   e->skin = w->params->thickness;
-  e->weighs = heft_of(w);
+  e->weighs = weighs;
   e->touch = !FX_NARROW && s->shape == FRAY_BALL ? fx_square(s->radius + e->skin) : 0;
   e->level = !FX_NARROW && s->shape == FRAY_PLANE && s->axes[3] == 0 && s->axes[4] == 1 << 30 &&
              s->axes[5] == 0;
@@ -208,8 +208,8 @@ __attribute__((always_inline)) static inline void resolve(fray_world *w, const e
   const vec3 wanted = vec_sub(out, vec_limited(vec_sub(moved, along), limit));
   const vec3 push = vec_make(move_within(w, &w->x[p], wanted.x), move_within(w, &w->y[p], wanted.y),
                              move_within(w, &w->z[p], wanted.z));
-  if (e->weighs.per_mass != 0) {
-    const int32_t mass = heft_at(&e->weighs, p);
+  if (e->weighs->per_mass != 0) {
+    const int32_t mass = heft_at(e->weighs, p);
     body_gave(&w->motion[c->body], heft_times(mass, push.x, FX_SUB_BITS), heft_times(mass, push.y, FX_SUB_BITS),
               heft_times(mass, push.z, FX_SUB_BITS));
     return;
@@ -264,10 +264,10 @@ static inline void meet(fray_world *w, const encounter *e, contact *c) {
 }
 
 /* Contacts of body b, from `first` on; returns where they end. */
-static inline uint32_t meet_body(fray_world *w, uint32_t b, uint32_t first, uint32_t end) {
+static inline uint32_t meet_body(fray_world *w, const heft *weighs, uint32_t b, uint32_t first, uint32_t end) {
   encounter e;
   uint32_t n = first;
-  begin_encounter(w, b, &e);
+  begin_encounter(w, b, weighs, &e);
   if (is_level(&e) && w->kernel != FRAY_KERNEL_SCALAR && !world_has_sheet(w)) {
     uint32_t last = first;
     while (last < end && w->contacts[last].body == b) ++last;
@@ -278,14 +278,15 @@ static inline uint32_t meet_body(fray_world *w, uint32_t b, uint32_t first, uint
 }
 
 void collide_part(fray_world *w, uint32_t first, uint32_t end) {
+  const heft weighs = heft_of(w);
   if (FX_NARROW) {
     for (uint32_t n = first; n < end; ++n) {
       encounter e;
-      begin_encounter(w, w->contacts[n].body, &e);
+      begin_encounter(w, w->contacts[n].body, &weighs, &e);
       meet(w, &e, &w->contacts[n]);
     }
   } else {
-    for (uint32_t n = first; n < end;) n = meet_body(w, w->contacts[n].body, n, end);
+    for (uint32_t n = first; n < end;) n = meet_body(w, &weighs, w->contacts[n].body, n, end);
   }
   w->work.contacts += end - first;
 }
