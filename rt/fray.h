@@ -24,7 +24,7 @@ extern "C" {
 
 #define FRAY_VERSION "0.3.0"
 #define FRAY_IMAGE_MAJOR 2u
-#define FRAY_IMAGE_MINOR 3u
+#define FRAY_IMAGE_MINOR 5u
 
 enum { FRAY_HANDS = 2 };
 
@@ -113,6 +113,9 @@ enum {
   FRAY_FAULT_HALTED = 1u << 5,        /* HALT: the bus was lost, or an operator said so */
   FRAY_FAULT_SPARES_FULL = 1u << 6,   /* a crossing stays whole: raise `limits spare_particles` */
   FRAY_FAULT_SPLITS_WAIT = 1u << 7,   /* more crossings split or come apart than `splits_per_tick` */
+  FRAY_FAULT_JAMMED = 1u << 9,        /* what is between bodies has no place, or nothing kept it apart */
+  FRAY_FAULT_CROWDED = 1u << 10,       /* something stood still: more of a mesh near its way than it is
+                                          held against */
   FRAY_FAULT_TRIANGLES_FULL = 1u << 11 /* a sheet does not tear or is not cut: raise `limits
                                            spare_triangles` */
 };
@@ -140,6 +143,10 @@ typedef struct {
   uint32_t lines;       /* along which a triangle sheet was tried for tearing */
   uint32_t pulls;       /* triangles x inner steps x substeps */
   uint32_t folds;       /* sides of two triangles, each time they are bent */
+  uint32_t mesh_tests;  /* ways of particles held against a mesh's box */
+  uint32_t mesh_boxes;  /* boxes of meshes that a way was held against */
+  uint32_t mesh_sweeps; /* ways of particles held against a triangle */
+  uint32_t mesh_stops;  /* particles put back to where the substep began */
 } fray_work;
 
 typedef struct {
@@ -264,7 +271,8 @@ typedef enum {
   FRAY_BALL = 1,
   FRAY_BOX = 2,
   FRAY_BAR = 3, /* a capsule along its first axis */
-  FRAY_PLANE = 4
+  FRAY_PLANE = 4,
+  FRAY_MESH = 5 /* see fray_view_mesh */
 } fray_shape;
 typedef enum { FRAY_FIXED = 0, FRAY_PATH = 1, FRAY_HAND = 2, FRAY_FREE = 3 } fray_motion;
 typedef struct {
@@ -313,6 +321,17 @@ fray_particles fray_view_particles(const fray_world *world);
 fray_sheet fray_view_sheet(const fray_world *world);
 fray_row fray_view_row(const fray_world *world, fray_family family, uint32_t row);
 fray_body fray_view_body(const fray_world *world, uint32_t body);
+
+/* The triangles of a body of shape FRAY_MESH, constant. Places are Q24 lu from the body's position;
+ * meshes do not turn. Sharp points and edges are those that cut. */
+typedef struct {
+  uint32_t points, edges, faces;
+  const int32_t *point; /* 4 words each: x, y, z, sharp */
+  const int32_t *edge;  /* 5 words: two points, two faces (the second -1 at a border), sharp */
+  const int32_t *face;  /* 6 words: three points, anticlockwise from outside; the normal, Q30 */
+} fray_mesh;
+/* Returns 0 where the body is no mesh; *mesh is then empty. */
+int fray_view_mesh(const fray_world *world, uint32_t body, fray_mesh *mesh);
 uint32_t fray_particle_at(const fray_world *world, uint32_t crossing);
 
 /* The yarns of a crossing (Metaaphanon 2009, section 3.3). A whole crossing is one particle of the

@@ -64,14 +64,26 @@ static void print_rows(const fray_facts *f) {
     printf("rows       %-10s %8u in %4u batches\n", names[n], f->rows[n], f->batches[n]);
 }
 
+static void print_mesh(const fray_world *w, uint32_t b) {
+  fray_mesh m;
+  uint32_t sharp_points = 0;
+  uint32_t sharp_edges = 0;
+  if (!fray_view_mesh(w, b, &m)) return;
+  for (uint32_t n = 0; n < m.points; ++n) sharp_points += m.point[4 * n + 3] != 0;
+  for (uint32_t n = 0; n < m.edges; ++n) sharp_edges += m.edge[5 * n + 4] != 0;
+  printf("           %u points, %u edges, %u triangles; sharp: %u points, %u edges\n", m.points,
+         m.edges, m.faces, sharp_points, sharp_edges);
+}
+
 static void print_bodies(const fray_world *w, const fray_facts *f) {
-  static const char *const shapes[] = {"anchor", "ball", "box", "bar", "plane"};
+  static const char *const shapes[] = {"anchor", "ball", "box", "bar", "plane", "mesh"};
   static const char *const motions[] = {"fixed", "on a path", "follows a hand", "free"};
   for (uint32_t b = 0; b < f->bodies; ++b) {
     const fray_body v = fray_view_body(w, b);
     printf("body       %-6s %-14s at %.3f %.3f %.3f cm\n", shapes[v.shape], motions[v.motion],
            centimetres(f, v.position[0]), centimetres(f, v.position[1]),
            centimetres(f, v.position[2]));
+    print_mesh(w, b);
   }
 }
 
@@ -90,10 +102,12 @@ static void print_work(const fray_world *w) {
   printf("\nmost work of a tick: %u predictions, %u projections, %u springs, %u contact tests,\n"
          "                     %u gathers, %u tear tests, %u over, %u cuts\n"
          "                     %u transitions, %u splits, %u slips, %u stretches,\n"
-         "                     %u pulls, %u folds, %u lines\n",
+         "                     %u pulls, %u folds, %u lines\n"
+         "                     %u mesh tests, %u mesh boxes, %u mesh sweeps\n",
          most.predictions, most.projections, most.springs, most.contacts, most.gathers,
          most.tear_tests, most.over, most.cuts, most.transitions, most.splits, most.slips,
-         most.stretches, most.pulls, most.folds, most.lines);
+         most.stretches, most.pulls, most.folds, most.lines, most.mesh_tests,
+         most.mesh_boxes, most.mesh_sweeps);
 }
 
 int cmd_info(int argc, char **argv) {

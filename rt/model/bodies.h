@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include "rt/base/vec.h"
+#include "rt/fray.h"
 
 typedef struct {
   int32_t shape;       /* fray_shape */
@@ -22,6 +23,11 @@ typedef struct {
   int32_t keys;
   int32_t home[3];     /* Q24 lu: where it stands at tick 0 */
 } body;
+
+/* Has a surface that is computed from its sizes. */
+static inline int body_is_solid(const body *k) {
+  return k->shape != FRAY_ANCHOR && k->shape != FRAY_MESH;
+}
 
 /* A path goes straight from key to key and rests after the last. */
 typedef struct {

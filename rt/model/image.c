@@ -16,6 +16,8 @@
   {#field, id, role, kind, pool, POOL_TRIANGLES, words, AT(field)}
 #define MESH(id, role, kind, pool, words, field) \
   {"sheet." #field, id, role, kind, pool, POOL_TRIANGLES, words, AT(sheet) + offsetof(sheet_mesh, field)}
+#define WITH_MESHES(pool, type, field) \
+  {#field, 0, ROLE_TICK, KIND_STRUCT, pool, POOL_MESH_WORDS, sizeof(type), AT(field)}
 #define TICK(pool, type, field) {#field, 0, ROLE_TICK, KIND_STRUCT, pool, 0, sizeof(type), AT(field)}
 #define SHEET_TICK(pool, type, field) SHEET(0, ROLE_TICK, KIND_STRUCT, pool, sizeof(type), field)
 #define MESH_TICK(pool, type, field) MESH(0, ROLE_TICK, KIND_STRUCT, pool, sizeof(type), field)
@@ -81,6 +83,7 @@ const image_array image_arrays[] = {
     SHEET_TICK(POOL_PARTICLES, int32_t, low_x),
     SHEET_TICK(POOL_PARTICLES, int32_t, low_y),
     SHEET_TICK(POOL_PARTICLES, int32_t, low_z),
+    {"meshes", IMAGE_MESHES, ROLE_CONSTANT, KIND_WORD, POOL_MESH_WORDS, POOL_MESH_WORDS, 1, AT(meshes)},
     TICK(POOL_PARTICLES, int32_t, qx),
     TICK(POOL_PARTICLES, int32_t, qy),
     TICK(POOL_PARTICLES, int32_t, qz),
@@ -91,13 +94,18 @@ const image_array image_arrays[] = {
 #if SLIP_PLANNED
     YARN(0, ROLE_TICK, KIND_STRUCT, POOL_CROSSINGS, 4 * SLIP_PLAN_WORDS, slip_plan),
 #endif
+    WITH_MESHES(POOL_PARTICLES, int32_t, sx),
+    WITH_MESHES(POOL_PARTICLES, int32_t, sy),
+    WITH_MESHES(POOL_PARTICLES, int32_t, sz),
+    WITH_MESHES(POOL_BODIES, vec3, stood),
 };
 const uint32_t image_array_count = sizeof image_arrays / sizeof image_arrays[0];
 
 static const uint32_t capacity_max[POOLS] = {
     1,          1,             LIMIT_PARTICLES, LIMIT_PARTICLES, LIMIT_PARTICLES, LIMIT_ROWS,
     LIMIT_BATCHES, LIMIT_CLASSES, LIMIT_CLASSES, LIMIT_BODIES,   LIMIT_KEYS,      LIMIT_CONTACTS,
-    LIMIT_CUTS, LIMIT_SPLITS,  LIMIT_CLASSES,   FRAY_TRIANGLES ? LIMIT_TRIANGLES : 0};
+    LIMIT_CUTS, LIMIT_SPLITS,  LIMIT_CLASSES,   FRAY_TRIANGLES ? LIMIT_TRIANGLES : 0,
+    LIMIT_MESH_WORDS};
 
 fray_status image_refuse(fray_error *error, fray_status status, uint32_t section, uint32_t index,
                          const char *what) {
@@ -133,7 +141,8 @@ static int is_saved(const image_array *a, const uint32_t capacity[POOLS]) {
 }
 /* The least version that has all that is in the image. */
 static uint32_t version_of(const uint32_t capacity[POOLS]) {
-  const uint32_t minor = capacity[POOL_TRIANGLES] != 0 ? 3u
+  const uint32_t minor = capacity[POOL_MESH_WORDS] != 0  ? IMAGE_MINOR_MESHES
+                         : capacity[POOL_TRIANGLES] != 0 ? IMAGE_MINOR_TRIANGLES
                          : capacity[POOL_STRETCH] != 0 ? 2u
                          : capacity[POOL_SPLITS] != 0  ? 1u
                                                        : 0u;
@@ -188,7 +197,26 @@ size_t image_blank(const uint32_t capacity[POOLS], void *memory, fray_world **wo
   return bytes;
 }
 
-/* The header alone: length, version, CRC word not yet compared, capacities. */
+/* What the header has no word for: the elements of the last section, where that is the meshes'. */
+static fray_status read_mesh_words(const uint8_t *image, size_t bytes, uint32_t capacity[POOLS],
+                                   fray_error *error) {
+  capacity[POOL_MESH_WORDS] = 0;
+  if ((bytes_load32(image + 4 * IMAGE_VERSION_WORD) & 0xFFFFu) != IMAGE_MINOR_MESHES) return FRAY_OK;
+  const uint32_t sections = bytes_load32(image + 4 * IMAGE_SECTIONS_WORD);
+  if (sections < 1 || sections > IMAGE_MESHES)
+    return image_refuse(error, FRAY_BAD_SECTION, 0, IMAGE_SECTIONS_WORD, "every section once");
+  const uint32_t at = 4u * (IMAGE_HEADER_WORDS + IMAGE_DIRECTORY_WORDS * (sections - 1u));
+  if (bytes < at + 4u * IMAGE_DIRECTORY_WORDS)
+    return image_refuse(error, FRAY_TRUNCATED, 0, (uint32_t)bytes, "a header and its directory");
+  const uint32_t words = bytes_load32(image + at + 8u);
+  if (bytes_load32(image + at) != IMAGE_MESHES || words == 0 || words > capacity_max[POOL_MESH_WORDS])
+    return image_refuse(error, FRAY_BAD_SECTION, IMAGE_MESHES, sections - 1u,
+                        "the section of meshes, the last one");
+  capacity[POOL_MESH_WORDS] = words;
+  return FRAY_OK;
+}
+
+/* The header, and what of the directory it takes: length, version, CRC word not yet compared, capacities. */
 static fray_status read_header(const uint8_t *image, size_t bytes, uint32_t capacity[POOLS],
                                fray_error *error) {
   if (image == NULL) return image_refuse(error, FRAY_BAD_ARGUMENT, 0, 0, "an image");
@@ -198,21 +226,26 @@ static fray_status read_header(const uint8_t *image, size_t bytes, uint32_t capa
   if (bytes_load32(image) != IMAGE_MAGIC)
     return image_refuse(error, FRAY_BAD_MAGIC, 0, 0, "the bytes FRAY");
   if (version >> 16 != FRAY_IMAGE_MAJOR || (version & 0xFFFFu) > FRAY_IMAGE_MINOR)
-    return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD, "image version 2.0 to 2.3");
-  if (!FRAY_TRIANGLES && (version & 0xFFFFu) == FRAY_IMAGE_MINOR)
+    return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD, "image version 2.0 to 2.5");
+  if (!FRAY_TRIANGLES && (version & 0xFFFFu) == IMAGE_MINOR_TRIANGLES)
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD,
                         "a build with triangle sheets (FRAY_TRIANGLES)");
-  for (uint32_t p = 0; p < POOLS; ++p) {
+  if (!FRAY_MESHES && (version & 0xFFFFu) == IMAGE_MINOR_MESHES)
+    return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD,
+                        "a build with rigid meshes (FRAY_MESHES)");
+  for (uint32_t p = 0; p < POOLS_IN_HEADER; ++p) {
     capacity[p] = bytes_load32(image + 4u * (IMAGE_CAPACITY_WORD + p));
     if (capacity[p] > capacity_max[p] || (p <= POOL_STATE && capacity[p] != 1u))
       return image_refuse(error, FRAY_BAD_FIELD, 0, IMAGE_CAPACITY_WORD + p,
                           "a capacity in its range");
   }
+  const fray_status status = read_mesh_words(image, bytes, capacity, error);
+  if (status != FRAY_OK) return status;
   if (version != version_of(capacity))
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD,
-                        "2.3 for triangle sheets, 2.2 for yarns with a stiffness, 2.1 for yarns, 2.0 "
-                        "for others");
-  for (uint32_t n = IMAGE_CAPACITY_WORD + POOLS; n < IMAGE_HEADER_WORDS; ++n)
+                        "2.5 for rigid meshes, 2.3 for triangle sheets, 2.2 for yarns with a stiffness, "
+                        "2.1 for yarns, 2.0 for others");
+  for (uint32_t n = IMAGE_CAPACITY_WORD + POOLS_IN_HEADER; n < IMAGE_HEADER_WORDS; ++n)
     if (bytes_load32(image + 4u * n) != 0)
       return image_refuse(error, FRAY_BAD_FIELD, 0, n, "a reserved word of zero");
   const uint32_t features = bytes_load32(image + 4 * IMAGE_FEATURES_WORD);
@@ -379,7 +412,7 @@ size_t fray_save(const fray_world *world, void *buffer, size_t buffer_bytes) {
   bytes_store32(image + 4 * IMAGE_BYTES_WORD, length);
   bytes_store32(image + 4 * IMAGE_FEATURES_WORD, features_of(world->capacity));
   bytes_store32(image + 4 * IMAGE_SECTIONS_WORD, entry);
-  for (uint32_t p = 0; p < POOLS; ++p)
+  for (uint32_t p = 0; p < POOLS_IN_HEADER; ++p)
     bytes_store32(image + 4u * (IMAGE_CAPACITY_WORD + p), world->capacity[p]);
   bytes_store32(image + 4 * IMAGE_CRC_WORD,
                 bytes_crc32(image + IMAGE_CRC_FROM, length - IMAGE_CRC_FROM));

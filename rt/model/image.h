@@ -8,8 +8,9 @@
  * The CRC-32 covers everything behind its own word. It finds damage, not intent: an image from
  * an untrusted hand is safe to load (every field is checked) but not thereby authentic.
  * One major version is read; another one is refused, and converted by tools. What only yarns, yarns
- * with a stiffness or triangles need stands in sections of its own: an image without any of them is
- * one of version 2.0, then 2.1, 2.2, 2.3. */
+ * with a stiffness, triangles or rigid meshes need stands in sections of its own: an image without any of
+ * them is one of version 2.0, then 2.1, 2.2, 2.3, 2.5. How long the section of meshes is, the last one,
+ * only the directory says. */
 #ifndef FRAY_MODEL_IMAGE_H
 #define FRAY_MODEL_IMAGE_H
 
@@ -32,7 +33,7 @@ enum {
 };
 /* Features: ids are 16 bits wide (no row, particle or triangle number needs more). */
 enum { IMAGE_SHORT_IDS = 1 };
-_Static_assert(IMAGE_CAPACITY_WORD + POOLS <= IMAGE_HEADER_WORDS, "capacities fit the header");
+_Static_assert(IMAGE_CAPACITY_WORD + POOLS_IN_HEADER <= IMAGE_HEADER_WORDS, "capacities fit the header");
 
 typedef enum { ROLE_CONSTANT, ROLE_STATE, ROLE_TICK } image_role;
 typedef enum { KIND_WORD, KIND_BYTE, KIND_ID, KIND_STRUCT } image_kind;
@@ -55,6 +56,9 @@ static inline void *image_pointer(const fray_world *w, const image_array *a) {
   void *const *slot = (void *const *)(const void *)((const uint8_t *)w + a->pointer);
   return *slot;
 }
+
+/* What the version says beside yarns; the section of meshes. */
+enum { IMAGE_MINOR_TRIANGLES = 3, IMAGE_MINOR_MESHES = 5, IMAGE_MESHES = 50 };
 
 /* A world with capacities and arrays in the caller's zeroed memory, for the builder: nothing is
  * taken in place. `memory` NULL: only counts. Returns the bytes needed. */

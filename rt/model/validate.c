@@ -4,6 +4,7 @@
 #include "rt/base/hash.h"
 #include "rt/model/couples.h"
 #include "rt/model/image.h"
+#include "rt/model/mesh.h"
 
 static const word_range params_ranges[PARAM_WORDS] = {
 #define X(name, least, most) {least, most},
@@ -38,7 +39,8 @@ enum {
   IN_PARAMS = 1, IN_STATE, IN_LINKS, IN_SPRINGS, IN_BATCHES, IN_CROSSING, IN_HOME, IN_ROW_OF,
   IN_ROW_I, IN_ROW_J, IN_CLASS, IN_X, IN_Y, IN_Z, IN_VX, IN_RX = 18, IN_GRIP_BODY = 21, IN_GRIP_X,
   IN_BODIES = 25, IN_BODY_STATES, IN_KEYS, IN_YARNS, IN_YARN_STATE, IN_COUPLE, IN_WARP_AT, IN_PLACE,
-  IN_STRETCH, IN_PULLS, IN_LIMITS
+  IN_STRETCH, IN_PULLS, IN_LIMITS,
+  IN_MESHES = 50
 };
 
 static int bad(fray_error *error, uint32_t section, uint32_t index, const char *what) {
@@ -185,7 +187,7 @@ static int body_sizes_good(const body *k) {
 
 static int body_good(const fray_world *w, const body *k) {
   const int32_t keys = (int32_t)w->capacity[POOL_KEYS];
-  if (k->shape < FRAY_ANCHOR || k->shape > FRAY_PLANE || k->motion < FRAY_FIXED ||
+  if (k->shape < FRAY_ANCHOR || k->shape > FRAY_MESH || k->motion < FRAY_FIXED ||
       k->motion > FRAY_FREE || k->hand < 0 || k->hand >= FRAY_HANDS)
     return 0;
   if (k->friction < 0 || k->friction > 16 << 16 || k->yield < 0 || k->yield > 1 << 30) return 0;
@@ -223,6 +225,15 @@ static int bodies_good(const fray_world *w, fray_error *error) {
   }
   if (hands != w->params->hands) return bad(error, IN_PARAMS, 0, "hands as the bodies have them");
   return 1;
+}
+
+static int meshes_good(const fray_world *w, fray_error *error) {
+  for (uint32_t b = 0; b < w->capacity[POOL_BODIES] && !world_has_meshes(w); ++b)
+    if (w->bodies[b].shape == FRAY_MESH)
+      return bad(error, IN_BODIES, b, "no body that is a mesh where there are none");
+  if (!world_has_meshes(w)) return 1;
+  const char *wrong = mesh_wrong(w);
+  return wrong == NULL || bad(error, IN_MESHES, 0, wrong);
 }
 
 static int particles_good(const fray_world *w, fray_error *error) {
@@ -449,7 +460,7 @@ fray_status image_validate(fray_world *w, fray_error *error) {
       counts_fit(w, &found) && (!world_has_yarns(w) || yarns_good(w, &found)) &&
       (!world_has_sheet(w) || sheet_valid(w, &found)) &&
       link_classes_good(w, &found) && (!world_has_stretch(w) || stretch_good(w, &found)) &&
-      spring_classes_good(w, &found) && bodies_good(w, &found) &&
+      spring_classes_good(w, &found) && bodies_good(w, &found) && meshes_good(w, &found) &&
       particles_good(w, &found) && crossings_good(w, &found) &&
       (!world_has_yarns(w) || couples_good(w, &found)) && ids_good(w, &found) &&
       batches_good(w, &found) && homes_good(w, &found) &&

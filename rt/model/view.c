@@ -3,6 +3,7 @@
 #include "rt/base/bytes.h"
 #include "rt/model/couples.h"
 #include "rt/model/element.h"
+#include "rt/model/mesh.h"
 
 uint64_t fray_hash(const fray_world *w) {
   return (uint64_t)(uint32_t)w->state->hash[1] << 32 | (uint32_t)w->state->hash[0];
@@ -32,7 +33,7 @@ fray_work fray_limits(const fray_world *w) {
   most.tear_tests = p->tearing != 0 ? (uint32_t)p->links : 0;
   most.gathers = 0;
   for (uint32_t b = 0; b < (uint32_t)p->bodies; ++b)
-    if (w->bodies[b].shape != FRAY_ANCHOR) most.gathers += particles;
+    if (body_is_solid(&w->bodies[b])) most.gathers += particles;
   most.over = most.tear_tests;
   most.cuts = p->tearing != 0 ? (uint32_t)p->cuts_max : 0;
   most.slips = spares * substeps;
@@ -53,6 +54,11 @@ fray_work fray_limits(const fray_world *w) {
     most.tear_tests = triangles;
     most.cuts = (uint32_t)w->sheet.params->cloths;
   }
+  most.mesh_tests = particles * mesh_count(w) * substeps * (1u + mesh_looks(w));
+  most.mesh_boxes = w->capacity[POOL_CONTACTS] * substeps * MESH_VISITS * (2u + mesh_looks(w));
+  most.mesh_sweeps =
+      w->capacity[POOL_CONTACTS] * substeps * MESH_NEAR * (MESH_ROUNDS + 1u + mesh_looks(w));
+  most.mesh_stops = particles * mesh_count(w) * substeps * (1u + mesh_looks(w));
   most.splits = p->tearing != 0 ? w->capacity[POOL_SPLITS] : 0;
   return most;
 }
@@ -160,6 +166,20 @@ fray_body fray_view_body(const fray_world *w, uint32_t b) {
     v.impulse[n] = w->motion[b].impulse[n];
   }
   return v;
+}
+
+int fray_view_mesh(const fray_world *w, uint32_t b, fray_mesh *view) {
+  const uint32_t n = mesh_of_body(w, b);
+  bytes_zero(view, sizeof *view);
+  if (n == mesh_count(w)) return 0;
+  const mesh_parts m = mesh_at(w, n);
+  view->points = (uint32_t)m.of->points;
+  view->edges = (uint32_t)m.of->edges;
+  view->faces = (uint32_t)m.of->faces;
+  view->point = (const int32_t *)(const void *)m.points;
+  view->edge = (const int32_t *)(const void *)m.edges;
+  view->face = (const int32_t *)(const void *)m.faces;
+  return 1;
 }
 
 uint32_t fray_particle_at(const fray_world *w, uint32_t crossing) { return w->crossing[crossing]; }

@@ -36,6 +36,8 @@ typedef enum {
   POOL_SPLITS, /* a tick; not 0 iff the world has yarns */
   POOL_STRETCH, /* as many as classes of links iff its yarns have a stiffness, else 0 */
   POOL_TRIANGLES, /* not 0 iff the world is a triangle sheet and has no crossings */
+  POOLS_IN_HEADER,
+  POOL_MESH_WORDS = POOLS_IN_HEADER, /* not 0 iff bodies are meshes; the directory says how many */
   POOLS
 } pool_name;
 
@@ -79,6 +81,7 @@ struct fray_world {
   const stretch_params *stretch;
   const stretch_class *pulls; /* by class of links */
   const link_class *limits;   /* links as long as they may become */
+  const int32_t *meshes;     /* see model/mesh.h */
 
   /* state */
   state *state;
@@ -112,6 +115,9 @@ struct fray_world {
   int32_t *low_x, *low_y, *low_z; /* of a vertex: what its place has below Q28, Q59 */
   contact *contacts;
   uint32_t contact_count;
+  uint32_t gathered;         /* contacts of this tick with other bodies than meshes */
+  int32_t *sx, *sy, *sz;     /* where a substep began, Q24 lu; with meshes only */
+  vec3 *stood;               /* body -> where it stood then; with meshes only */
   cut *cuts;
   uint32_t cut_count;
   uint32_t cuts_waiting;
@@ -154,6 +160,14 @@ static inline int world_has_yarns(const fray_world *w) { return w->capacity[POOL
 #endif
 static inline int world_has_sheet(const fray_world *w) {
   return FRAY_TRIANGLES && w->capacity[POOL_TRIANGLES] != 0;
+}
+
+/* 0: one that opens no rigid meshes. */
+#ifndef FRAY_MESHES
+#define FRAY_MESHES 1
+#endif
+static inline int world_has_meshes(const fray_world *w) {
+  return FRAY_MESHES && w->capacity[POOL_MESH_WORDS] != 0;
 }
 
 /* Enters or takes an entry out of the topology's hash. */

@@ -21,11 +21,13 @@ void fray_tick(fray_world *w, const fray_input *input, fray_output *output) {
   STEP_STAGE(BLOW, blow_run(w));
   STEP_STAGE(GATHER, collide_gather(w));
   for (uint32_t substep = 0; substep < substeps; ++substep) {
+    STEP_STAGE(MESHES, meshes_begin(w));
     STEP_STAGE(PREDICT, predict_run(w, substep)); /* 1, 2, 4: gravity, positions */
     STEP_STAGE(STRAIN, strain_run(w));            /* 5 */
     STEP_STAGE(LIMIT, limit_run(w));
     STEP_STAGE(SLIP, slip_run(w, substep));       /* 5 */
     STEP_STAGE(COLLIDE, collide_run(w));          /* 6 */
+    STEP_STAGE(MESHES, meshes_run(w));            /* 6 */
     if (substep + 1u == substeps) {
       STEP_STAGE(TRANSITION, transition_run(w)); /* 7 */
       STEP_STAGE(SPLIT, split_run(w));

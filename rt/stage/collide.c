@@ -8,6 +8,7 @@
  * the body's normal, and held back along the surface by Coulomb friction, as a displacement. */
 #include "rt/model/couples.h"
 #include "rt/model/heft.h"
+#include "rt/model/mesh.h"
 #include "rt/stage/stage.h"
 #include "rt/wide/wide.h"
 
@@ -94,7 +95,8 @@ static void gather(fray_world *w, uint32_t b) {
 void collide_gather(fray_world *w) {
   w->contact_count = 0;
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
-    if (w->bodies[b].shape != FRAY_ANCHOR) gather(w, b);
+    if (body_is_solid(&w->bodies[b])) gather(w, b);
+  w->gathered = w->contact_count;
 }
 
 static vec3 body_axis(const body *s, uint32_t n) {
@@ -219,6 +221,18 @@ __attribute__((always_inline)) static inline void resolve(fray_world *w, const e
   body_gave(&w->motion[c->body], push.x * mass, push.y * mass, push.z * mass);
 }
 
+/* How far a body goes down from its middle, where the normal is up. */
+static int64_t below(const body *s, vec3 normal) {
+  int64_t extent = s->radius;
+  for (uint32_t n = 0; n < 3; ++n)
+    extent += fx_magnitude(vec_dot_unit(vec_scale_unit(body_axis(s, n), s->half[n]), normal));
+  return extent;
+}
+static int64_t mesh_below(const fray_world *w, uint32_t b, vec3 normal) {
+  const mesh_parts m = mesh_at(w, mesh_of_body(w, b));
+  return mesh_extent(&m, vec_make(-normal.x, -normal.y, -normal.z));
+}
+
 /* A free body on a plane: it stops there. */
 static void rest_on_planes(fray_world *w, uint32_t b) {
   const body *s = &w->bodies[b];
@@ -227,9 +241,7 @@ static void rest_on_planes(fray_world *w, uint32_t b) {
     if (w->bodies[g].shape != FRAY_PLANE) continue;
     const vec3 normal = body_axis(&w->bodies[g], 1);
     const int32_t *at = w->body_states[g].position;
-    int64_t extent = s->radius;
-    for (uint32_t n = 0; n < 3; ++n)
-      extent += fx_magnitude(vec_dot_unit(vec_scale_unit(body_axis(s, n), s->half[n]), normal));
+    const int64_t extent = s->shape == FRAY_MESH ? mesh_below(w, b, normal) : below(s, normal);
     const vec3 d = vec_make(fx_sub(own->position[0], at[0]), fx_sub(own->position[1], at[1]),
                             fx_sub(own->position[2], at[2]));
     const int64_t depth = extent - vec_dot_unit(d, normal);

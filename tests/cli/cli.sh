@@ -110,6 +110,24 @@ scene_says 's/seed 88/seed 88 seed 9/' "7:"
 scene_says 's/radius 0.1 cm/radius -1 cm/' "25:"
 scene_says 's/contacts 16/contacts 9999999/' "32:"
 scene_says '$d' "34:1: found the end of the file, expected '}' for limits of line 31"
+# ---- meshes: mesh_says 'OBJ' 'KEYS' WORDS
+mesh_says() {
+  # shellcheck disable=SC2059
+  printf "$1" >"$cd_work/case.obj"
+  { cat "$small" && echo "mesh m { obj \"case.obj\" at 0 -3 0 cm $2 }"; } >"$cd_work/mesh.scene"
+  wants 2 "$3" "$FRAY" scene "$cd_work/mesh.scene" -o "$cd_work/bad.img"
+  if [ -e "$cd_work/bad.img" ]; then fail "an image was written for: $1"; fi
+}
+square='v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n'
+mesh_says "${square}f 1 2 x\n" "" "case.obj:5:7: found 'x', expected the number of a point"
+mesh_says "v 0 0\n" "" "case.obj:1:6: found the end of the line, expected 3 numbers for 'v'"
+mesh_says "${square}f 1 2 3\nf 1 4 3\n" "" "case.obj:6: found two triangles that pass the edge"
+mesh_says "${square}f 1 2 3 4\nl 2 4\n" "sharp named" "case.obj:6: found a line from point 2 to point 4"
+mesh_says "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n" "" "case.obj:4: found a triangle of points 1, 2 and 3 that is flatter"
+mesh_says "${square}f 1 2 3 4\n" "unit 20 cm" "case.obj:2: found a point too far out"
+rm "$cd_work/case.obj"
+wants 2 "case.obj: cannot be opened" "$FRAY" scene "$cd_work/mesh.scene" -o "$cd_work/bad.img"
+mesh_says "${square}f 1 2 3 4\n" "sharp keen" "mesh.scene:35:44: found 'keen', expected off or named for 'sharp'"
 printf 'scene x\n\001\377' >"$cd_work/binary.scene"
 wants 2 "binary.scene:2:1" "$FRAY" scene "$cd_work/binary.scene"
 

@@ -1,13 +1,13 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# fuzz.sh SECONDS: damaged images (their CRC mended), logs, scenes and scripts, SECONDS each, under
+# fuzz.sh SECONDS: damaged images (their CRC mended), logs, scenes, scripts and OBJ files, SECONDS each, under
 # sanitizers and FRAY_CHECKED; with libFuzzer where clang has it, else with tests/fuzz/driver.c.
 # A crash leaves its input in BUILD/fuzz/.
 . tests/lib/suite.sh
 seconds=${1:-60}
 work=$FRAY_BUILD/fuzz
 rm -rf "$work/seeds"
-mkdir -p "$work/seeds/image" "$work/seeds/candump" "$work/seeds/scene"
+mkdir -p "$work/seeds/image" "$work/seeds/candump" "$work/seeds/scene" "$work/seeds/obj"
 
 "$FRAY" scene tests/scenes/small.scene -o "$work/seeds/image/small.img" >/dev/null
 "$FRAY" scene tests/cross/bodies.scene -o "$work/seeds/image/bodies.img" >/dev/null
@@ -15,6 +15,7 @@ mkdir -p "$work/seeds/image" "$work/seeds/candump" "$work/seeds/scene"
 "$FRAY" scene tests/cross/allyarn.scene -o "$work/seeds/image/allyarn.img" >/dev/null
 "$FRAY" run tests/cross/stretched.scene --ticks 150 --save "$work/seeds/image/stretched.img" >/dev/null
 "$FRAY" run tests/cross/rag.scene --ticks 60 --save "$work/seeds/image/rag.img" >/dev/null
+"$FRAY" scene tests/cross/meshes.scene -o "$work/seeds/image/meshes.img" >/dev/null
 "$FRAY" hand -o "$work/small.log" tests/cross/small.hand
 "$FRAY" run "$work/seeds/image/small.img" --log "$work/small.log" --ticks 300 \
   --save "$work/seeds/image/torn.img" --record "$work/recording" >/dev/null
@@ -23,6 +24,7 @@ head -n 60 "$work/recording" >"$work/seeds/candump/recording.log"
 printf '(1.000000) can0 123#R4\n(1.000000) can0 123##5AABB\n(1.5) x 20000004#0000000000000000\n# c\n' \
   >"$work/seeds/candump/kinds.log"
 cp tests/scenes/*.scene tests/scenes/*.hand tests/cross/*.scene tests/cross/*.hand "$work/seeds/scene/"
+cp tests/scenes/meshes/*.obj "$work/seeds/obj/"
 
 # with clang and its fuzzer, or with any compiler and our driver
 echo 'int LLVMFuzzerTestOneInput(const char *d, unsigned long n); int LLVMFuzzerTestOneInput(const char *d, unsigned long n) { return n > 1 ? d[0] == 0 : 0; }' >"$work/probe.c"
@@ -35,7 +37,7 @@ else
 fi
 flags="$flags -DFRAY_CHECKED"
 suite_make BUILD="$work/$CC" CC="$CC" OPT=-O1 EXTRA="$flags" "$work/$CC/libfray.a" "$work/$CC/libtools.a"
-for name in image candump scene; do
+for name in image candump scene obj; do
   # shellcheck disable=SC2086
   $CC -std=gnu11 -O1 -g -I. $flags $link "tests/fuzz/fuzz_$name.c" $driver "$work/$CC/libtools.a" \
     "$work/$CC/libfray.a" -lm -o "$work/fuzz_$name"

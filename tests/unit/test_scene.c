@@ -258,7 +258,7 @@ static void names_what_is_wrong(void) {
   check_fails(START "speed 3\n", 3, 1,
               "found 'speed', expected a key of the scene: scene, rate, substeps, sweeps, "
               "gravity, seed, settle, rest_strain, wind, sheet, triangles, material, load, ball, box, "
-              "bar, plane, pin, slit, limits, hands");
+              "bar, plane, mesh, pin, slit, limits, hands");
   check_fails(START "}\n", 3, 1, "found '}', expected no brace: no block is open");
   check_fails(START "seed 1\nseed 2\n", 4, 1,
               "found 'seed' again in the scene, expected it once; see line 3");

@@ -4,7 +4,7 @@
 # cuts, splits and the list of springs to cut, without the tests for tearing, which are test_part[case].
 function stages(    n, list) {
   n = split("fray_tick devices_run damp_run springs_run stress_run rip_run weigh_run blow_run " \
-            "collide_gather predict_run strain_run limit_run slip_run collide_run transition_run " \
+            "collide_gather predict_run strain_run limit_run slip_run collide_run meshes_begin meshes_run transition_run " \
             "split_run tear_run cut_run finish_run force_run report_run", list, " ")
   for (k = 1; k <= n; k++) name[k] = list[k]
   return n
@@ -37,6 +37,8 @@ function rounds(what) {
   if (what == "pull_held") return (stretches != 0) * 3 * held * substeps
   if (what == "pull_free") return (stretches != 0) * 3 * most["predictions"]
   if (what == "inner_moves") return 3 * inner_steps * (most["predictions"] + held * substeps)
+  # scenes of `make work` have no meshes, and no sweeps
+  if (what == "meshes" || what == "pieces" || what == "halvings" || what == "looks") return 0
   if (what == "batch_sweeps") return link_batches * sweeps * substeps
   if (what == "spring_batches") return spring_batches
   if (what == "springs") return most["springs"]
@@ -90,7 +92,7 @@ function rounds(what) {
   exit 2
 }
 function least(a, b) { return a < b ? a : b }
-function times(stage) { return stage ~ /^(predict|strain|limit|slip|collide|finish)_run$/ ? substeps : 1 }
+function times(stage) { return stage ~ /^((predict|strain|limit|slip|collide|meshes|finish)_run|meshes_begin)$/ ? substeps : 1 }
 
 $1 == "fixed" { fixed[$2] = $3; next }
 $1 == "loop" { loops++; loop_stage[loops] = $2; loop_name[loops] = $3; loop_cost[loops] = $4; next }

@@ -8,7 +8,7 @@
 work=$FRAY_BUILD/work
 machines=${MACHINES:-m0 m3 m4f m7f m33 rv32}
 stages="devices_run damp_run springs_run stress_run rip_run weigh_run blow_run collide_gather predict_run
-  strain_run limit_run slip_run collide_run transition_run split_run tear_run cut_run finish_run force_run
+  strain_run limit_run slip_run collide_run meshes_begin meshes_run transition_run split_run tear_run cut_run finish_run force_run
   report_run"
 cases=$work/cases.c
 mkdir -p "$work"
@@ -59,7 +59,7 @@ count_pieces() { # MACHINE NAME OPTION...: pieces and their instructions in NAME
 count() { # MACHINE NAME OPTION...: pieces in NAME.joined, the bounds of its stages in NAME.bound
   count_pieces "$@" || return 1
   $tools-objdump -d -l --no-show-raw-insn "$elf" >"$work/$name.dis"
-  cp tests/work/loops.txt "$work/loops.txt"
+  cat tests/work/loops.txt tests/work/sweep_loops.txt > "$work/loops.txt"
   if [ "$machine" = m0 ]; then cat tests/work/loops_m0.txt >>"$work/loops.txt"; fi
   # the step alone: its stages cost nothing
   for stage in $stages; do echo "$stage | | cost 0"; done | cat "$work/loops.txt" - >"$work/step.txt"

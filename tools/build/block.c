@@ -15,7 +15,7 @@ static void list_keys(const block_rule *rule, char *text, size_t capacity) {
 /* A body or another setting of the scene inside a block: most likely a brace was forgotten. */
 static int belongs_outside(const token *t) {
   static const char *const words[] = {"scene", "rate", "substeps", "sweeps", "gravity", "seed",
-                                      "settle", "rest_strain", "sheet", "ball", "box", "bar", "plane",
+                                      "settle", "rest_strain", "sheet", "ball", "box", "bar", "plane", "mesh",
                                       "pin", "limits", "hands", "triangles", "wind", "load"};
   for (size_t k = 0; k < sizeof words / sizeof words[0]; k++) {
     if (lexer_is(t, words[k])) return 1;

@@ -30,6 +30,29 @@ static int read_turn(parser *p, const block_key *key, void *target) {
   return 1;
 }
 
+static int read_obj(parser *p, const block_key *key, void *target) {
+  (void)key;
+  return value_read_path(p, ((scene_body *)target)->obj);
+}
+
+/* sharp off, sharp named, sharp 60 deg */
+static int read_sharp(parser *p, const block_key *key, void *target) {
+  static const char *const words[] = {"off", "named"};
+  scene_body *body = (scene_body *)target;
+  exact degrees;
+  int index;
+  if (!value_number_here(p) || p->lexer.token.first) {
+    if (!value_read_choice(p, words, 2, &index)) return 0;
+    body->sharp = index == 0 ? SCENE_SHARP_OFF : SCENE_SHARP_NAMED;
+    return 1;
+  }
+  if (!value_read_exacts(p, &key->range, 1, &degrees)) return 0;
+  body->sharp = SCENE_SHARP_ANGLE;
+  body->sharp_tangent = angle_half_tangent(degrees);
+  return exact_valid(body->sharp_tangent) ||
+         parser_fail(p, p->key_place, "found an angle of too many digits for 'sharp', expected fewer");
+}
+
 #define AT(field) offsetof(scene_body, field)
 #define SIZE_RANGE {UNIT_LENGTH, "0.001", "1000"}
 #define KEY_PLACE {"at", block_exacts, AT(at), {UNIT_LENGTH, "-6000", "6000"}, 3, 0}
@@ -49,6 +72,11 @@ static const block_key box_keys[] = {
 static const block_key bar_keys[] = {
     {"length", block_exacts, AT(size), SIZE_RANGE, 1, KEY_NEEDED}, KEY_RADIUS, KEY_TURN,
     KEYS_OF_SOLIDS};
+static const block_key mesh_keys[] = {
+    {"obj", read_obj, 0, {UNIT_NONE, "0", "0"}, 1, KEY_NEEDED},
+    {"unit", block_exacts, AT(unit), {UNIT_LENGTH, "0.000001", "1000"}, 1, 0},
+    {"sharp", read_sharp, 0, {UNIT_ANGLE, "1", "170"}, 1, 0},
+    KEY_TURN, KEY_PLACE, KEY_MOVE, KEY_FRICTION, KEY_MASS, KEY_VELOCITY};
 static const block_key plane_keys[] = {KEY_PLACE, KEY_TURN, KEY_MOVE, KEY_FRICTION};
 
 #define RULE(keys) {keys, sizeof(keys) / sizeof((keys)[0])}
@@ -61,6 +89,7 @@ static const struct {
     {"box", FRAY_BOX, RULE(box_keys)},
     {"bar", FRAY_BAR, RULE(bar_keys)},
     {"plane", FRAY_PLANE, RULE(plane_keys)},
+    {"mesh", FRAY_MESH, RULE(mesh_keys)},
 };
 enum { KINDS = sizeof kinds / sizeof kinds[0] };
 
@@ -73,6 +102,7 @@ static void set_defaults(scene_body *body, fray_shape shape, int line) {
   body->turn.axis = -1;
   body->turn.half_tangent = zero;
   body->friction = exact_make(3, 10);
+  body->unit = exact_make(1, 1);
   body->radius = body->mass = body->grip = zero;
   for (int k = 0; k < 3; k++) body->at[k] = body->size[k] = body->velocity[k] = zero;
 }

@@ -27,6 +27,10 @@ static void free_draft(draft *d) {
   free(d->crossing);
   free(d->rows);
   free(d->batches);
+  free(d->meshes.points);
+  free(d->meshes.edges);
+  free(d->meshes.faces);
+  free(d->meshes.boxes);
 }
 
 static int begin_draft(draft *d) {
@@ -67,6 +71,7 @@ static void plan_capacity(const draft *d, uint32_t capacity[POOLS]) {
   capacity[POOL_KEYS] = s->key_count;
   capacity[POOL_CONTACTS] = s->limits.has_contacts ? s->limits.contacts : d->crossings;
   capacity[POOL_CUTS] = s->limits.cuts_per_tick;
+  capacity[POOL_MESH_WORDS] = draft_mesh_words(d);
   capacity[POOL_SPLITS] = s->sheet.yarns != 0 ? s->limits.splits_per_tick : 0;
   capacity[POOL_STRETCH] = scene_has_stretch(s) ? capacity[POOL_LINK_CLASSES] : 0;
   capacity[POOL_TRIANGLES] = 0;
@@ -199,6 +204,7 @@ static int fill(draft *d, void **memory, fray_world **world) {
   image_blank(capacity, *memory, &w);
   *world = w;
   if (!draft_fill_bodies(d, w)) return 0;
+  draft_mesh_fill(d, WRITABLE(int32_t, w->meshes));
   fill_particles(d, w);
   fill_rows(d, w);
   if (!draft_params(d, WRITABLE(params, w->params)) ||
@@ -209,7 +215,7 @@ static int fill(draft *d, void **memory, fray_world **world) {
                      WRITABLE(link_class, w->limits), capacity[POOL_STRETCH]))
     return 0;
   w->particles = d->crossings;
-  return fill_yarns(d, w) && draft_slits(d, w);
+  return draft_mesh_apart(d, w) && fill_yarns(d, w) && draft_slits(d, w);
 }
 
 int fill_world(const scene *s, const char *file, uint32_t substeps, uint32_t sweeps, void **memory,

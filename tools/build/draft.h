@@ -5,8 +5,9 @@
 #ifndef FRAY_BUILD_DRAFT_H
 #define FRAY_BUILD_DRAFT_H
 
-#include "rt/model/world.h"
+#include "rt/model/mesh.h"
 #include "tools/build/build.h"
+#include "tools/build/obj.h"
 
 typedef struct {
   uint32_t kind;      /* BATCH_HELD, BATCH_FREE, BATCH_IDLE: the order of stepping */
@@ -19,6 +20,16 @@ typedef struct {
   uint32_t canonical;
   uint32_t i, j;      /* particles */
 } draft_row;
+
+/* Tables of rt/model/mesh.h that grow, and the meshes in them. */
+typedef struct {
+  mesh_head head;
+  mesh_entry mesh[LIMIT_BODIES];
+  mesh_point *points;
+  mesh_edge *edges;
+  mesh_face *faces;
+  mesh_box *boxes;
+} draft_mesh;
 
 typedef struct {
   const scene *scene;
@@ -45,6 +56,7 @@ typedef struct {
   uint32_t held;
   uint32_t bodies;           /* the scene's, and one anchor if it pins anything */
   body body[LIMIT_BODIES];
+  draft_mesh meshes;
   draft_row *rows;
   uint32_t family_rows[4];   /* the last: shadows of the diagonals, of sheets with yarns */
   row_batch *batches;
@@ -61,6 +73,14 @@ enum { DRAFT_FREE = 255, DRAFT_SHADOWS = 3 };
 int draft_scale(draft *d);
 int draft_bodies(draft *d);
 int draft_crossings(draft *d);
+/* The mesh of body n of the scene, its size as it is turned; fills reach[]. */
+int draft_mesh_of(draft *d, uint32_t n);
+/* Marks what is sharp in the mesh that was added last. */
+int draft_mesh_sharpen(const draft *d, const scene_body *b, const char *file, const obj_mesh *obj);
+uint32_t draft_mesh_words(const draft *d);
+/* Whether all free particles begin apart from all meshes: by a quarter of the thickness. */
+int draft_mesh_apart(const draft *d, const fray_world *w);
+void draft_mesh_fill(const draft *d, int32_t *words);
 int draft_order(draft *d);
 int draft_rows(draft *d);
 int draft_params(const draft *d, params *p);

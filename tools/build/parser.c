@@ -74,6 +74,7 @@ static const block_key scene_keys[] = {
     {"box", body_block_read, 0, {UNIT_NONE, "0", "0"}, 0, KEY_REPEATS},
     {"bar", body_block_read, 0, {UNIT_NONE, "0", "0"}, 0, KEY_REPEATS},
     {"plane", body_block_read, 0, {UNIT_NONE, "0", "0"}, 0, KEY_REPEATS},
+    {"mesh", body_block_read, 0, {UNIT_NONE, "0", "0"}, 0, KEY_REPEATS},
     {"pin", pins_read, 0, {UNIT_NONE, "0", "0"}, 0, KEY_REPEATS},
     {"slit", slits_read, 0, {UNIT_NONE, "0", "0"}, 0, KEY_REPEATS},
     {"limits", read_limits, 0, {UNIT_NONE, "0", "0"}, 0, 0},

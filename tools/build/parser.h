@@ -73,6 +73,8 @@ int value_read_count(parser *p, const value_range *range, uint32_t *result);
 int value_read_choice(parser *p, const char *const *choices, int count, int *index);
 /* A letter or _, then letters, digits, _ and -; at most SCENE_NAME - 1. */
 int value_read_name(parser *p, char name[SCENE_NAME]);
+/* A file: a word, or a word in quotes; at most SCENE_PATH - 1. */
+int value_read_path(parser *p, char path[SCENE_PATH]);
 int value_read_open(parser *p);
 
 /* ---- blocks: tables of keys ---- */

@@ -12,7 +12,7 @@
 #include "tools/build/exact.h"
 #include "tools/build/fabrics.h"
 
-enum { SCENE_NAME = 32, SCENE_BODIES = 16, SCENE_KEYS = 4096, SCENE_PINS = 64, SCENE_SLITS = 64, SCENE_WEAVE = 8,
+enum { SCENE_NAME = 32, SCENE_PATH = 256, SCENE_BODIES = 16, SCENE_KEYS = 4096, SCENE_PINS = 64, SCENE_SLITS = 64, SCENE_WEAVE = 8,
        SCENE_MATERIALS = 8, SCENE_LOADS = 4 };
 
 typedef struct {
@@ -33,6 +33,10 @@ typedef struct {
   exact half_tangent;
 } scene_turn;
 
+/* Which edges and points of a mesh are sharp: none, those that the file marks, or those at which its
+ * faces meet at no more than an angle. */
+typedef enum { SCENE_SHARP_OFF, SCENE_SHARP_NAMED, SCENE_SHARP_ANGLE } scene_sharp;
+
 typedef struct {
   char name[SCENE_NAME];
   int line;              /* where it was declared, for messages */
@@ -51,6 +55,10 @@ typedef struct {
   exact grip;            /* crossings no farther than this from the body's surface are held by it;
                             0 or less than 0 is allowed (inside only) */
   uint32_t key_first, keys; /* FRAY_PATH, in scene.keys; times strictly rising from >= 0 */
+  char obj[SCENE_PATH];  /* mesh: the file, from where the scene's stands */
+  exact unit;            /* mesh: cm of a unit in that file, default 1 */
+  scene_sharp sharp;     /* mesh: default SCENE_SHARP_OFF */
+  exact sharp_tangent;   /* SCENE_SHARP_ANGLE: of half the angle, as for turns */
 } scene_body;
 
 typedef struct {

@@ -25,7 +25,7 @@ static int turned_axes(const draft *d, const scene_body *b, int32_t axes[9]) {
   return 1;
 }
 
-static int size_body(const draft *d, const scene_body *b, body *k) {
+static int size_body(draft *d, const scene_body *b, body *k) {
   const exact half = exact_make(1, 2);
   if (b->shape == FRAY_BALL || b->shape == FRAY_BAR)
     if (!draft_length(d, b->line, b->radius, &k->radius)) return 0;
@@ -35,6 +35,7 @@ static int size_body(const draft *d, const scene_body *b, body *k) {
       k->half[2] > 16 * FX_LU)
     return draft_refuse(d, b->line, "%s: expected half sizes of at most %u mm", b->name,
                         16u * d->lu_um / 1000u);
+  if (b->shape == FRAY_MESH) return draft_mesh_of(d, (uint32_t)(k - d->body));
   for (uint32_t n = 0; n < 3; ++n) {
     int64_t reach = k->radius;
     for (uint32_t a = 0; a < 3; ++a)

@@ -103,6 +103,7 @@ static void plan(const draft *d, const mesh *m, uint32_t capacity[POOLS]) {
   capacity[POOL_KEYS] = s->key_count;
   capacity[POOL_CONTACTS] = s->limits.has_contacts ? s->limits.contacts : m->points;
   capacity[POOL_CUTS] = s->limits.cuts_per_tick;
+  capacity[POOL_MESH_WORDS] = draft_mesh_words(d);
 }
 
 static int fill_vertices(const draft *d, const mesh *m, fray_world *w) {
@@ -209,6 +210,7 @@ int draft_triangles(draft *d, void **memory, fray_world **world) {
     good = draft_fill_bodies(d, w) && fill_vertices(d, &m, w) && fill_triangles(d, &m, w) &&
            draft_params(d, WRITABLE(params, w->params)) && draft_cloths(d, w);
     if (good) {
+      draft_mesh_fill(d, WRITABLE(int32_t, w->meshes));
       sheet_derive(w);
       good = draft_sheet_slits(d, w);
       const uint64_t now = sheet_topology(w);

@@ -201,6 +201,21 @@ int value_read_name(parser *p, char name[SCENE_NAME]) {
   return 1;
 }
 
+int value_read_path(parser *p, char path[SCENE_PATH]) {
+  const token *t = &p->lexer.token;
+  if (!value_here(p)) return parser_expected(p, "a file for '%s'", p->key);
+  const int quoted = t->bytes > 1 && t->text[0] == '"' && t->text[t->bytes - 1] == '"';
+  const char *text = t->text + (quoted ? 1 : 0);
+  const size_t bytes = t->bytes - (quoted ? 2u : 0u);
+  if (bytes == 0 || bytes >= SCENE_PATH || memchr(text, '"', bytes) != NULL)
+    return parser_expected(p, "a file of 1 to %d characters without blanks for '%s'", SCENE_PATH - 1,
+                           p->key);
+  memcpy(path, text, bytes);
+  path[bytes] = 0;
+  lexer_next(&p->lexer);
+  return 1;
+}
+
 int value_read_open(parser *p) {
   if (p->lexer.token.kind != TOKEN_OPEN) {
     return parser_expected(p, "'{' behind '%s'", p->key);

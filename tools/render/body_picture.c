@@ -89,12 +89,59 @@ static void draw_box(const body_job *k, const picture_body *b) {
   }
 }
 
+static v3 mesh_normal_of(const picture_body *b, uint32_t face) {
+  const int32_t *n = b->mesh.face + 6 * face + 3;
+  return v3_unit((v3){(float)n[0], (float)n[1], (float)n[2]});
+}
+
+/* Faces are flat, and seen from both sides. */
+static void draw_mesh(const body_job *k, const picture_body *b) {
+  canvas_shader *shader = k->light ? shade_body : NULL;
+  for (uint32_t f = 0; f < b->mesh.faces; f++) {
+    const v3 first = picture_mesh_point(b, (uint32_t)b->mesh.face[6 * f]);
+    v3 normal = mesh_normal_of(b, f);
+    if (v3_dot(camera_towards(k->cam, first), normal) < 0.0f) normal = v3_scale(normal, -1.0f);
+    canvas_vertex v[3];
+    int good = 1;
+    for (uint32_t n = 0; n < 3; n++)
+      good &= put(k, v + n, picture_mesh_point(b, (uint32_t)b->mesh.face[6 * f + n]), normal);
+    if (good) canvas_triangle(k->c, v, v + 1, v + 2, BODY_ATTRIBUTES, shader, k);
+  }
+}
+
+/* A step towards the eye, so that its own faces do not hide it. */
+static int put_mark(const body_job *k, const picture_body *b, uint32_t point, canvas_vertex *v) {
+  const v3 at = picture_mesh_point(b, point);
+  return camera_project(k->cam, v3_along(at, camera_towards(k->cam, at), 0.3f), v);
+}
+
+/* What cuts is red, as in Karaoz 2015, figure 3.3. */
+static void draw_sharp(const body_job *k, const picture_body *b) {
+  const rgb red = rgb_hex(0xD0342C);
+  canvas_vertex v[2];
+  for (uint32_t e = 0; e < b->mesh.edges; e++) {
+    const int32_t *edge = b->mesh.edge + 5 * e;
+    if (edge[4] != 0 && put_mark(k, b, (uint32_t)edge[0], v) && put_mark(k, b, (uint32_t)edge[1], v + 1))
+      canvas_wire(k->c, v, v + 1, 2.5f, red, 1.0f);
+  }
+  for (uint32_t p = 0; p < b->mesh.points; p++)
+    if (b->mesh.point[4 * p + 3] != 0 && put_mark(k, b, p, v)) {
+      v[1] = v[0];
+      v[1].x += 0.5f;
+      canvas_wire(k->c, v, v + 1, 6.0f, red, 1.0f);
+    }
+}
+
 void body_draw(canvas *c, const camera *cam, const lighting *light, const picture_body *b) {
   body_job k = {c, cam, light, body_colour(b)};
   switch (b->shape) {
     case FRAY_BALL: draw_round(&k, b->position, world_axes, b->radius, 0.0f); break;
     case FRAY_BAR: draw_round(&k, b->position, b->axes, b->radius, b->half.x); break;
     case FRAY_BOX: draw_box(&k, b); break;
+    case FRAY_MESH:
+      draw_mesh(&k, b);
+      if (light) draw_sharp(&k, b);
+      break;
     case FRAY_ANCHOR:
     case FRAY_PLANE: break;
   }

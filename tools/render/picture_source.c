@@ -157,6 +157,8 @@ int picture_source_read(picture_source *s, const fray_world *world) {
   for (uint32_t k = 0; k < facts.bodies; k++) {
     const fray_body b = fray_view_body(world, k);
     s->bodies[k] = body_in_mm(&b, mm_per_q24);
+    (void)fray_view_mesh(world, k, &s->bodies[k].mesh);
+    s->bodies[k].mm = mm_per_q24;
   }
   for (uint32_t k = 0; k < s->warps * s->wefts; k++) read_crossing(s, world, &p, k, mm_per_q24);
   read_springs(s, world, &p, facts.rows[FRAY_STRUCTURAL], mm_per_q24);
@@ -167,13 +169,18 @@ int picture_source_read(picture_source *s, const fray_world *world) {
   return 1;
 }
 
+v3 picture_mesh_point(const picture_body *b, uint32_t point) {
+  return v3_add(b->position, in_mm(b->mesh.point + 4 * point, b->mm));
+}
+
 bounds picture_source_bounds(const picture_source *s) {
   bounds b = bounds_none();
   for (uint32_t k = 0; k < s->warps * s->wefts; k++) bounds_add(&b, s->crossings[k]);
   for (uint32_t k = 0; k < s->vertex_count; k++) bounds_add(&b, s->vertices[k]);
   for (uint32_t k = 0; k < s->body_count; k++) {
     const picture_body *body = s->bodies + k;
-    if (body->shape == FRAY_PLANE || body->shape == FRAY_ANCHOR) continue;
+    for (uint32_t n = 0; n < body->mesh.points; n++) bounds_add(&b, picture_mesh_point(body, n));
+    if (body->shape == FRAY_PLANE || body->shape == FRAY_ANCHOR || body->shape == FRAY_MESH) continue;
     const float r = body->shape == FRAY_BOX ? v3_length(body->half)
                     : body->shape == FRAY_BAR ? body->radius + body->half.x : body->radius;
     bounds_add(&b, v3_sub(body->position, (v3){r, r, r}));

@@ -19,6 +19,8 @@ typedef struct {
   uint32_t hand;
   float radius;
   v3 half, axes[3], position;
+  fray_mesh mesh; /* of the world, which outlives the picture; no faces where it is none */
+  float mm;       /* of a step of its points */
 } picture_body;
 
 typedef struct {
@@ -54,6 +56,9 @@ uint32_t picture_springs(uint32_t warps, uint32_t wefts);
 int picture_source_reserve(picture_source *s, uint32_t warps, uint32_t wefts, uint32_t bodies);
 int picture_source_read(picture_source *s, const fray_world *world); /* s zeroed or read before */
 void picture_source_close(picture_source *s);
+
+/* A point of a body's mesh. */
+v3 picture_mesh_point(const picture_body *b, uint32_t point);
 
 bounds picture_source_bounds(const picture_source *s);
 
