@@ -143,9 +143,9 @@ typedef struct {
   uint32_t lines;       /* along which a triangle sheet was tried for tearing */
   uint32_t pulls;       /* triangles x inner steps x substeps */
   uint32_t folds;       /* sides of two triangles, each time they are bent */
-  uint32_t mesh_tests;  /* ways of particles held against a mesh's box */
+  uint32_t mesh_tests;  /* ways of particles held against the box of a mesh, or ball */
   uint32_t mesh_boxes;  /* boxes of meshes that a way was held against */
-  uint32_t mesh_sweeps; /* ways of particles held against a triangle */
+  uint32_t mesh_sweeps; /* of particles and a mesh's triangle, triangles and its points, sides and its edges */
   uint32_t mesh_stops;  /* particles put back to where the substep began */
 } fray_work;
 
@@ -326,9 +326,10 @@ fray_body fray_view_body(const fray_world *world, uint32_t body);
  * meshes do not turn. Sharp points and edges are those that cut. */
 typedef struct {
   uint32_t points, edges, faces;
-  const int32_t *point; /* 4 words each: x, y, z, sharp */
+  const int32_t *point; /* 5 words each: x, y, z, sharp, one of its faces */
   const int32_t *edge;  /* 5 words: two points, two faces (the second -1 at a border), sharp */
-  const int32_t *face;  /* 6 words: three points, anticlockwise from outside; the normal, Q30 */
+  const int32_t *face;  /* 7 words: three points, anticlockwise from outside; the normal, Q30; of which of
+                           its sides it is an edge's first face, a bit each */
 } fray_mesh;
 /* Returns 0 where the body is no mesh; *mesh is then empty. */
 int fray_view_mesh(const fray_world *world, uint32_t body, fray_mesh *mesh);

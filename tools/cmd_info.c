@@ -69,7 +69,7 @@ static void print_mesh(const fray_world *w, uint32_t b) {
   uint32_t sharp_points = 0;
   uint32_t sharp_edges = 0;
   if (!fray_view_mesh(w, b, &m)) return;
-  for (uint32_t n = 0; n < m.points; ++n) sharp_points += m.point[4 * n + 3] != 0;
+  for (uint32_t n = 0; n < m.points; ++n) sharp_points += m.point[5 * n + 3] != 0;
   for (uint32_t n = 0; n < m.edges; ++n) sharp_edges += m.edge[5 * n + 4] != 0;
   printf("           %u points, %u edges, %u triangles; sharp: %u points, %u edges\n", m.points,
          m.edges, m.faces, sharp_points, sharp_edges);

@@ -98,6 +98,8 @@ const image_array image_arrays[] = {
     WITH_MESHES(POOL_PARTICLES, int32_t, sy),
     WITH_MESHES(POOL_PARTICLES, int32_t, sz),
     WITH_MESHES(POOL_BODIES, vec3, stood),
+    {"aside", 0, ROLE_TICK, KIND_BYTE, POOL_PARTICLES, POOL_MESH_WORDS, 1, AT(aside)},
+    WITH_MESHES(POOL_TRIANGLES, row_id, beside),
 };
 const uint32_t image_array_count = sizeof image_arrays / sizeof image_arrays[0];
 

@@ -12,6 +12,17 @@ uint32_t mesh_count(const fray_world *w) {
   return world_has_meshes(w) ? (uint32_t)head_of(w)->meshes : 0;
 }
 
+int mesh_is_whole(const fray_world *w) {
+  return world_has_meshes(w) && world_has_sheet(w) && head_of(w)->whole != 0;
+}
+
+uint32_t mesh_solids(const fray_world *w) {
+  uint32_t count = mesh_count(w);
+  for (uint32_t b = 0; b < w->capacity[POOL_BODIES]; ++b)
+    count += w->bodies[b].shape == FRAY_BALL && mesh_is_whole(w);
+  return count;
+}
+
 mesh_parts mesh_at(const fray_world *w, uint32_t n) {
   const mesh_head *h = head_of(w);
   const mesh_entry *k = &table_of(w)[n];
@@ -70,7 +81,8 @@ int32_t mesh_extent(const mesh_parts *m, vec3 along) {
 static const char *tables_wrong(const fray_world *w) {
   const mesh_head *h = head_of(w);
   const uint64_t all = w->capacity[POOL_MESH_WORDS];
-  if (all < MESH_HEAD_WORDS || h->meshes < 1 || h->meshes > LIMIT_BODIES || h->points < 0 ||
+  if (all < MESH_HEAD_WORDS || h->meshes < 0 || h->meshes > LIMIT_BODIES || (h->whole | 1) != 1 ||
+      h->meshes + h->whole == 0 || (h->whole != 0 && !world_has_sheet(w)) || h->points < 0 ||
       h->points > LIMIT_MESH_POINTS || h->edges < 0 || h->edges > 2 * LIMIT_MESH_FACES ||
       h->faces < 0 || h->faces > LIMIT_MESH_FACES || h->boxes < 0 || h->boxes > 2 * LIMIT_MESH_FACES)
     return "counts of meshes in their ranges";
@@ -176,6 +188,27 @@ static int box_holds(const mesh_box *b, const int32_t low[3], const int32_t high
   return 1;
 }
 
+/* As many bits as edges, one for each. */
+static int owners_good(const mesh_parts *m) {
+  int32_t sides = 0;
+  for (int32_t n = 0; n < m->of->faces; ++n) {
+    const int32_t own = m->faces[n].own;
+    if (own < 0 || own > 7) return 0;
+    for (uint32_t k = 0; k < 3; ++k) sides += own >> k & 1;
+  }
+  for (int32_t n = 0; n < m->of->edges; ++n) {
+    const mesh_face *f = &m->faces[m->edges[n].face[0]];
+    for (uint32_t k = 0; k < 3; ++k)
+      if (f->point[k] == m->edges[n].point[0] && (f->own >> k & 1) == 0) return 0;
+  }
+  for (int32_t n = 0; n < m->of->points; ++n) {
+    if (!in_list(m->points[n].face, m->of->faces)) return 0;
+    const int32_t *p = m->faces[m->points[n].face].point;
+    if (p[0] != n && p[1] != n && p[2] != n) return 0;
+  }
+  return sides == m->of->edges;
+}
+
 /* From the last box on: children are known to be good when their parent is looked at. */
 static int boxes_good(const mesh_parts *m) {
   const int32_t count = (int32_t)m->box_count;
@@ -210,6 +243,7 @@ const char *mesh_wrong(const fray_world *w) {
     if (!points_good(&m)) return "points within 16 lu";
     if (!faces_good(&m)) return "faces with an area, three points that exist and their normal";
     if (!edges_good(&m)) return "edges that join the sides of faces";
+    if (!owners_good(&m)) return "sides and points that have a face";
     if (!boxes_good(&m)) return "a tree of boxes around every face";
   }
   return NULL;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Rigid triangle meshes: the shapes of bodies of shape FRAY_MESH. All of it is constant, one table of
- * words in the image: a head, then meshes, points, edges, faces and boxes of all meshes.
+ * words in the image: a head, then meshes, points, edges, faces and boxes of all meshes. The head says
+ * too whether triangles of a sheet are held against meshes and balls; a world may have it without meshes.
  *
  * Numbers of points, edges and faces count from the mesh's first. The boxes of a mesh are a tree, each
  * one around what stands under it, a box in front of its children: without a stack one goes from a box
@@ -18,11 +19,17 @@ enum {
   MESH_VISITS = 1024, /* boxes in one walk */
   MESH_NEAR = 64,     /* triangles held against its way */
   MESH_ROUNDS = 4,    /* pushes */
-  MESH_LOOKS = 2      /* where there are several meshes: at what each of them did */
+  MESH_LOOKS = 2,     /* where there are several bodies: at what each of them did */
+  /* and a triangle of a sheet; see stage/press.c */
+  MESH_CLOSE = 256,       /* triangles of a mesh beside it */
+  MESH_CLOSE_SWEEPS = 1024,
+  MESH_PRESSES = 2,
+  MESH_CHECKS = 4
 };
 
 typedef struct {
   int32_t meshes, points, edges, faces, boxes;
+  int32_t whole; /* 1: triangles of the sheet meet meshes and balls, 0: only its vertices do */
 } mesh_head;
 
 typedef struct {
@@ -37,6 +44,7 @@ typedef struct {
 typedef struct {
   int32_t at[3]; /* Q24 lu from the body's position, at most MESH_REACH_MAX */
   int32_t sharp;
+  int32_t face; /* one of those that have it */
 } mesh_point;
 
 /* Face 0 passes it from point 0 to point 1, face 1 back; sorted by the lesser, then the other point. */
@@ -49,6 +57,7 @@ typedef struct {
 typedef struct {
   int32_t point[3]; /* anticlockwise from outside */
   int32_t normal[3]; /* Q30, what mesh_normal() says */
+  int32_t own;       /* bit k: side k, from point k on, is an edge of which this is face 0 */
 } mesh_face;
 
 typedef struct {
@@ -79,8 +88,13 @@ typedef struct {
 uint32_t mesh_count(const fray_world *w);
 /* n below mesh_count(). */
 mesh_parts mesh_at(const fray_world *w, uint32_t n);
+/* Triangles of the sheet meet meshes and balls. */
+int mesh_is_whole(const fray_world *w);
+/* Bodies that particles and triangles are held against as they go, at most LIMIT_BODIES: meshes, and balls
+ * where triangles meet them. */
+uint32_t mesh_solids(const fray_world *w);
 static inline uint32_t mesh_looks(const fray_world *w) {
-  return mesh_count(w) > 1u ? (uint32_t)MESH_LOOKS : 0u;
+  return mesh_solids(w) > 1u ? (uint32_t)MESH_LOOKS : 0u;
 }
 /* The mesh of a body; mesh_count() where it has none. */
 uint32_t mesh_of_body(const fray_world *w, uint32_t b);

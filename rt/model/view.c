@@ -17,6 +17,26 @@ static uint32_t stepped(const fray_world *w, uint32_t first, uint32_t end) {
   return rows;
 }
 
+static uint32_t most_of(uint64_t a, uint64_t b) {
+  return a != 0 && b > UINT32_MAX / a ? UINT32_MAX : (uint32_t)(a * b);
+}
+
+/* One particle or triangle for each contact, in each substep. */
+static void mesh_limits(const fray_world *w, fray_work *most) {
+  const uint64_t looks = mesh_looks(w);
+  const uint64_t whole = mesh_is_whole(w) != 0;
+  const uint64_t checks = MESH_CHECKS * (1u + looks);
+  const uint64_t substeps = (uint32_t)w->params->substeps;
+  const uint64_t ways = substeps * w->capacity[POOL_CONTACTS];
+  const uint64_t passes = substeps * mesh_solids(w) * (1u + looks);
+  most->mesh_tests = most_of(w->capacity[POOL_PARTICLES], passes);
+  most->mesh_boxes = most_of(ways, MESH_VISITS * (2u + looks + whole * (MESH_PRESSES + 3u + checks)));
+  most->mesh_sweeps =
+      most_of(ways, MESH_NEAR * (MESH_ROUNDS + 1u + looks + 3u * whole) +
+                        whole * MESH_CLOSE_SWEEPS * (MESH_PRESSES + checks));
+  most->mesh_stops = most_of(w->capacity[POOL_PARTICLES], passes * (1u + whole));
+}
+
 fray_work fray_limits(const fray_world *w) {
   const params *p = w->params;
   const uint32_t substeps = (uint32_t)p->substeps;
@@ -54,11 +74,7 @@ fray_work fray_limits(const fray_world *w) {
     most.tear_tests = triangles;
     most.cuts = (uint32_t)w->sheet.params->cloths;
   }
-  most.mesh_tests = particles * mesh_count(w) * substeps * (1u + mesh_looks(w));
-  most.mesh_boxes = w->capacity[POOL_CONTACTS] * substeps * MESH_VISITS * (2u + mesh_looks(w));
-  most.mesh_sweeps =
-      w->capacity[POOL_CONTACTS] * substeps * MESH_NEAR * (MESH_ROUNDS + 1u + mesh_looks(w));
-  most.mesh_stops = particles * mesh_count(w) * substeps * (1u + mesh_looks(w));
+  if (world_has_meshes(w)) mesh_limits(w, &most);
   most.splits = p->tearing != 0 ? w->capacity[POOL_SPLITS] : 0;
   return most;
 }

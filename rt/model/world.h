@@ -118,6 +118,8 @@ struct fray_world {
   uint32_t gathered;         /* contacts of this tick with other bodies than meshes */
   int32_t *sx, *sy, *sz;     /* where a substep began, Q24 lu; with meshes only */
   vec3 *stood;               /* body -> where it stood then; with meshes only */
+  uint8_t *aside;            /* particle -> on which sides of the box of a mesh its way stays; see stage/solids.h */
+  row_id *beside;            /* triangles that come near it */
   cut *cuts;
   uint32_t cut_count;
   uint32_t cuts_waiting;
@@ -162,9 +164,9 @@ static inline int world_has_sheet(const fray_world *w) {
   return FRAY_TRIANGLES && w->capacity[POOL_TRIANGLES] != 0;
 }
 
-/* 0: one that opens no rigid meshes. */
+/* 0: one that opens no rigid meshes, nor sheets whose triangles meet bodies. */
 #ifndef FRAY_MESHES
-#define FRAY_MESHES 1
+#define FRAY_MESHES FRAY_TRIANGLES
 #endif
 static inline int world_has_meshes(const fray_world *w) {
   return FRAY_MESHES && w->capacity[POOL_MESH_WORDS] != 0;

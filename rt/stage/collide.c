@@ -241,7 +241,7 @@ static void rest_on_planes(fray_world *w, uint32_t b) {
     if (w->bodies[g].shape != FRAY_PLANE) continue;
     const vec3 normal = body_axis(&w->bodies[g], 1);
     const int32_t *at = w->body_states[g].position;
-    const int64_t extent = s->shape == FRAY_MESH ? mesh_below(w, b, normal) : below(s, normal);
+    const int64_t extent = world_has_meshes(w) && s->shape == FRAY_MESH ? mesh_below(w, b, normal) : below(s, normal);
     const vec3 d = vec_make(fx_sub(own->position[0], at[0]), fx_sub(own->position[1], at[1]),
                             fx_sub(own->position[2], at[2]));
     const int64_t depth = extent - vec_dot_unit(d, normal);

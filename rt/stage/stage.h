@@ -25,7 +25,8 @@ void limit_run(fray_world *w); /* sides of triangles that are far too long */
 void slip_run(fray_world *w, uint32_t substep); /* loose couples keep the cloth's thickness apart */
 void collide_run(fray_world *w);
 void meshes_begin(fray_world *w); /* before predict */
-void meshes_run(fray_world *w);   /* particles against rigid meshes, behind all else that moves them */
+void meshes_run(fray_world *w);   /* rigid meshes against particles and triangles, behind all else that
+                                     moves them */
 void finish_run(fray_world *w);
 
 /* Once a tick, in the last substep, between collisions and velocities. */

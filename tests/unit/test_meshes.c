@@ -30,7 +30,7 @@ static void a_mesh_is_as_its_file(void) {
   for (uint32_t n = 0; n < 8; ++n)
     for (uint32_t k = 0; k < 3; ++k) {
       const double wanted = (k == 1 ? 0.1 : 0.2) / lu;
-      CHECK(fabs(fabs(m.point[4 * n + k] * 0x1p-24) - wanted) < 0x1p-24);
+      CHECK(fabs(fabs(m.point[5 * n + k] * 0x1p-24) - wanted) < 0x1p-24);
     }
   CHECK_EQ_INT(fray_view_body(f.w, 1).shape, FRAY_MESH);
   fixture_close(&f);
@@ -55,7 +55,7 @@ static void check_sharp(const char *obj, const char *sharp, uint32_t points, uin
            sharp);
   fixture_text(&f, text);
   const fray_mesh m = mesh_in(&f, 0);
-  for (uint32_t n = 0; n < m.points; ++n) found_points += m.point[4 * n + 3] != 0;
+  for (uint32_t n = 0; n < m.points; ++n) found_points += m.point[5 * n + 3] != 0;
   for (uint32_t n = 0; n < m.edges; ++n) found_edges += m.edge[5 * n + 4] != 0;
   CHECK_EQ_INT(found_points, points);
   CHECK_EQ_INT(found_edges, edges);

@@ -78,7 +78,7 @@ int draft_mesh_of(draft *d, uint32_t n);
 /* Marks what is sharp in the mesh that was added last. */
 int draft_mesh_sharpen(const draft *d, const scene_body *b, const char *file, const obj_mesh *obj);
 uint32_t draft_mesh_words(const draft *d);
-/* Whether all free particles begin apart from all meshes: by a quarter of the thickness. */
+/* Whether all free particles, or all triangles, begin apart from all meshes by a quarter of the thickness. */
 int draft_mesh_apart(const draft *d, const fray_world *w);
 void draft_mesh_fill(const draft *d, int32_t *words);
 int draft_order(draft *d);

@@ -150,6 +150,7 @@ typedef struct {
   struct {
     int present, line;
     uint32_t columns, rows; /* of cells, two triangles each where the mesh is regular */
+    int whole;              /* its triangles meet meshes and balls, not only its vertices */
     exact edge[2];          /* cm, along rows and along columns */
     scene_mesh mesh;        /* default regular */
     exact mesh_half_tangent; /* MESH_TURNED */

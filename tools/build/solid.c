@@ -293,6 +293,8 @@ static int fill_tables(making *m) {
     m->face[triangle] = n;
     for (uint32_t c = 0; c < 3; ++c) f->point[c] = (int32_t)m->obj.triangles[triangle].point[c];
     store_vec(f->normal, m->normal[triangle]);
+    f->own = 0;
+    for (uint32_t c = 0; c < 3; ++c) t->points[k->point + f->point[c]].face = (int32_t)n;
   }
   for (uint32_t n = 0; n < m->obj.point_count; ++n) {
     store_vec(t->points[k->point + (int32_t)n].at, m->at[n]);
@@ -306,6 +308,9 @@ static int fill_tables(making *m) {
       e->face[c] = from->triangle[c] == OBJ_NONE ? MESH_NONE : (int32_t)m->face[from->triangle[c]];
     }
     e->sharp = 0;
+    mesh_face *f = &t->faces[k->face + e->face[0]];
+    for (uint32_t c = 0; c < 3; ++c)
+      if (f->point[c] == e->point[0]) f->own |= 1 << c;
   }
   return 1;
 }
@@ -348,7 +353,7 @@ int draft_mesh_of(draft *d, uint32_t n) {
 
 uint32_t draft_mesh_words(const draft *d) {
   const mesh_head *h = &d->meshes.head;
-  if (h->meshes == 0) return 0;
+  if (h->meshes == 0 && h->whole == 0) return 0;
   return (uint32_t)(MESH_HEAD_WORDS + h->meshes * MESH_WORDS + h->points * MESH_POINT_WORDS +
                     h->edges * MESH_EDGE_WORDS + h->faces * MESH_FACE_WORDS +
                     h->boxes * MESH_BOX_WORDS);
@@ -361,52 +366,11 @@ static int32_t *put(int32_t *words, const void *table, int32_t count, size_t siz
 
 void draft_mesh_fill(const draft *d, int32_t *words) {
   const draft_mesh *t = &d->meshes;
-  if (t->head.meshes == 0) return;
+  if (t->head.meshes == 0 && t->head.whole == 0) return;
   words = put(words, &t->head, 1, sizeof t->head);
   words = put(words, t->mesh, t->head.meshes, sizeof t->mesh[0]);
   words = put(words, t->points, t->head.points, sizeof t->points[0]);
   words = put(words, t->edges, t->head.edges, sizeof t->edges[0]);
   words = put(words, t->faces, t->head.faces, sizeof t->faces[0]);
   (void)put(words, t->boxes, t->head.boxes, sizeof t->boxes[0]);
-}
-
-static int box_is_near(const mesh_box *b, vec3 at, int32_t skin) {
-  return at.x >= b->low[0] - skin && at.x <= b->high[0] + skin && at.y >= b->low[1] - skin &&
-         at.y <= b->high[1] + skin && at.z >= b->low[2] - skin && at.z <= b->high[2] + skin;
-}
-
-static int touches(const mesh_parts *m, vec3 at, int32_t skin) {
-  const sweep_point still = {at, at};
-  sweep_contact c;
-  for (uint32_t n = 0; n < m->box_count;) {
-    const mesh_box *b = &m->boxes[n];
-    if (!box_is_near(b, at, skin)) {
-      n = (uint32_t)b->next;
-      continue;
-    }
-    ++n;
-    if (b->face == MESH_NONE) continue;
-    sweep_point corners[3];
-    for (uint32_t k = 0; k < 3; ++k)
-      corners[k].begin = corners[k].end = mesh_corner(m, (uint32_t)b->face, k);
-    if (sweep_point_triangle(&still, corners, skin, &c)) return 1;
-  }
-  return 0;
-}
-
-int draft_mesh_apart(const draft *d, const fray_world *w) {
-  const int32_t skin = fx_max(w->params->thickness / 4, 1);
-  for (uint32_t n = 0; n < mesh_count(w); ++n) {
-    const mesh_parts m = mesh_at(w, n);
-    const scene_body *b = &d->scene->bodies[m.of->body];
-    const vec3 stands = mesh_vec(w->bodies[m.of->body].home);
-    for (uint32_t p = d->held; p < w->particles; ++p) {
-      const vec3 at = vec_sub(world_position(w, p), stands);
-      if (!touches(&m, at, skin)) continue;
-      return draft_refuse(d, b->line, "%s: found it at warp %u, weft %u of the sheet, expected them "
-                          "apart by a quarter of the sheet's thickness at least",
-                          b->name, d->crossing[p] % d->grid.warps, d->crossing[p] / d->grid.warps);
-    }
-  }
-  return 1;
 }

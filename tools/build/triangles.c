@@ -89,6 +89,14 @@ static int begin(draft *d, mesh *m) {
   return 1;
 }
 
+/* Its triangles, and not only its vertices, have something to meet. */
+static int meets_bodies(const draft *d) {
+  for (uint32_t b = 0; b < d->bodies; ++b)
+    if (d->scene->triangles.whole && (d->body[b].shape == FRAY_MESH || d->body[b].shape == FRAY_BALL))
+      return 1;
+  return 0;
+}
+
 static void plan(const draft *d, const mesh *m, uint32_t capacity[POOLS]) {
   const scene *s = d->scene;
   memset(capacity, 0, POOLS * sizeof *capacity);
@@ -198,6 +206,7 @@ int draft_triangles(draft *d, void **memory, fray_world **world) {
   d->grid.warps = d->grid.wefts = 0;
   int good = scale(d) && draft_bodies(d) && mesh_make(d, &m) && begin(d, &m);
   if (good) {
+    d->meshes.head.whole = meets_bodies(d);
     plan(d, &m, capacity);
     const size_t bytes = image_blank(capacity, NULL, NULL);
     *memory = aligned_alloc(64, (bytes + 63) / 64 * 64);
@@ -212,7 +221,7 @@ int draft_triangles(draft *d, void **memory, fray_world **world) {
     if (good) {
       draft_mesh_fill(d, WRITABLE(int32_t, w->meshes));
       sheet_derive(w);
-      good = draft_sheet_slits(d, w);
+      good = draft_mesh_apart(d, w) && draft_sheet_slits(d, w);
       const uint64_t now = sheet_topology(w);
       w->state->topology[0] = (int32_t)(uint32_t)(now & 0xFFFFFFFFu);
       w->state->topology[1] = (int32_t)(uint32_t)(now >> 32);

@@ -61,6 +61,12 @@ static int read_plane(parser *p, const block_key *key, void *target) {
   return 1;
 }
 
+static int read_collide(parser *p, const block_key *key, void *target) {
+  static const char *const words[] = {"vertices", "whole"};
+  (void)key;
+  return value_read_choice(p, words, 2, &((scene *)target)->triangles.whole);
+}
+
 static int read_material(parser *p, const block_key *key, void *target) {
   scene *out = (scene *)target;
   (void)key;
@@ -86,6 +92,7 @@ static const block_key keys[] = {
     {"plane", read_plane, 0, {UNIT_NONE, "0", "0"}, 0, 0},
     {"thickness", block_exacts, SHARED(thickness), {UNIT_LENGTH, "0.0001", "1"}, 1, 0},
     {"drag", block_exacts, SHARED(drag), {UNIT_RATE, "0", "1000"}, 1, 0},
+    {"collide", read_collide, 0, {UNIT_NONE, "0", "0"}, 0, 0},
 };
 static const block_rule rule = {keys, sizeof keys / sizeof keys[0]};
 
@@ -95,6 +102,7 @@ int triangles_block_read(parser *p, const block_key *key, void *target) {
   block_seen seen;
   (void)key;
   out->triangles.present = 1;
+  out->triangles.whole = 1;
   out->triangles.line = out->sheet.line = opened.line;
   if (!value_read_open(p) || !block_read(p, &rule, "the triangles", opened, target, &seen))
     return 0;

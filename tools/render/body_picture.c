@@ -90,7 +90,7 @@ static void draw_box(const body_job *k, const picture_body *b) {
 }
 
 static v3 mesh_normal_of(const picture_body *b, uint32_t face) {
-  const int32_t *n = b->mesh.face + 6 * face + 3;
+  const int32_t *n = b->mesh.face + 7 * face + 3;
   return v3_unit((v3){(float)n[0], (float)n[1], (float)n[2]});
 }
 
@@ -98,13 +98,13 @@ static v3 mesh_normal_of(const picture_body *b, uint32_t face) {
 static void draw_mesh(const body_job *k, const picture_body *b) {
   canvas_shader *shader = k->light ? shade_body : NULL;
   for (uint32_t f = 0; f < b->mesh.faces; f++) {
-    const v3 first = picture_mesh_point(b, (uint32_t)b->mesh.face[6 * f]);
+    const v3 first = picture_mesh_point(b, (uint32_t)b->mesh.face[7 * f]);
     v3 normal = mesh_normal_of(b, f);
     if (v3_dot(camera_towards(k->cam, first), normal) < 0.0f) normal = v3_scale(normal, -1.0f);
     canvas_vertex v[3];
     int good = 1;
     for (uint32_t n = 0; n < 3; n++)
-      good &= put(k, v + n, picture_mesh_point(b, (uint32_t)b->mesh.face[6 * f + n]), normal);
+      good &= put(k, v + n, picture_mesh_point(b, (uint32_t)b->mesh.face[7 * f + n]), normal);
     if (good) canvas_triangle(k->c, v, v + 1, v + 2, BODY_ATTRIBUTES, shader, k);
   }
 }
@@ -125,7 +125,7 @@ static void draw_sharp(const body_job *k, const picture_body *b) {
       canvas_wire(k->c, v, v + 1, 2.5f, red, 1.0f);
   }
   for (uint32_t p = 0; p < b->mesh.points; p++)
-    if (b->mesh.point[4 * p + 3] != 0 && put_mark(k, b, p, v)) {
+    if (b->mesh.point[5 * p + 3] != 0 && put_mark(k, b, p, v)) {
       v[1] = v[0];
       v[1].x += 0.5f;
       canvas_wire(k->c, v, v + 1, 6.0f, red, 1.0f);

@@ -170,7 +170,7 @@ int picture_source_read(picture_source *s, const fray_world *world) {
 }
 
 v3 picture_mesh_point(const picture_body *b, uint32_t point) {
-  return v3_add(b->position, in_mm(b->mesh.point + 4 * point, b->mm));
+  return v3_add(b->position, in_mm(b->mesh.point + 5 * point, b->mm));
 }
 
 bounds picture_source_bounds(const picture_source *s) {

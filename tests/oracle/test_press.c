@@ -1,0 +1,263 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Nothing passes through a triangle sheet, nor it through anything: after every substep the ways of all its
+ * sides, triangles and vertices, as a body saw them, are held against the edges, points and faces of meshes
+ * and the middles of balls in exact arithmetic, and begin where the last ones ended; and how deep balls are in
+ * it at the end of a tick, in double precision. */
+#include "tests/lib/test.h"
+
+#include <math.h>
+
+#include "rt/base/vec.h"
+#include "tests/oracle/touching.h"
+
+#include "rt/run/step.h"
+#include "rt/stage/solids.h"
+#include "tests/lib/world_fixture.h"
+
+static void watch_begin(fray_world *w);
+static void watch_end(const fray_world *w);
+
+enum { WATCH_DEVICES, WATCH_DAMP, WATCH_SPRINGS, WATCH_STRESS, WATCH_RIP, WATCH_WEIGH, WATCH_BLOW,
+       WATCH_GATHER, WATCH_MESHES, WATCH_PREDICT, WATCH_STRAIN, WATCH_LIMIT, WATCH_SLIP,
+       WATCH_COLLIDE, WATCH_TRANSITION, WATCH_SPLIT, WATCH_TEAR, WATCH_CUT, WATCH_FINISH, WATCH_FORCE,
+       WATCH_REPORT };
+
+#define STEP_STAGE(name, call) \
+  do { \
+    if (WATCH_##name == WATCH_PREDICT) watch_begin(w); \
+    call; \
+    if (WATCH_##name == WATCH_MESHES) watch_end(w); \
+  } while (0)
+#define fray_tick watched_tick
+void watched_tick(fray_world *w, const fray_input *input, fray_output *output);
+#include "rt/run/step.c"
+#undef fray_tick
+
+enum { PARTICLES_MOST = 4096 };
+
+static vec3 ended[PARTICLES_MOST];
+static uint32_t ended_count, in_substep;
+static uint32_t passed, broken, ways, pairs, jams; /* substeps that say JAMMED */
+static double deepest; /* in a ball, lu */
+
+static void watch_begin(fray_world *w) {
+  in_substep = 1;
+  jams += (w->state->faults & (int32_t)FRAY_FAULT_JAMMED) != 0;
+  w->state->faults &= ~(int32_t)FRAY_FAULT_JAMMED;
+  for (uint32_t p = (uint32_t)w->params->held; p < ended_count; ++p)
+    broken += ended[p].x != w->sx[p] || ended[p].y != w->sy[p] || ended[p].z != w->sz[p];
+}
+
+static void put(way *to, const sweep_point *from) {
+  const way made = {{from->begin.x, from->begin.y, from->begin.z}, {from->end.x, from->end.y, from->end.z}};
+  *to = made;
+}
+
+static int touches(const sweep_point *a, const sweep_point *b, const sweep_point *c, const sweep_point *d,
+                   int triangle) {
+  way p[4];
+  put(&p[0], a);
+  put(&p[1], b);
+  put(&p[2], c);
+  put(&p[3], d);
+  ++pairs;
+  return touching(p, triangle);
+}
+
+static int apart(const solid_span *a, const solid_span *b) {
+  for (uint32_t k = 0; k < 3; ++k)
+    if (a->low[k] > b->high[k] || a->high[k] < b->low[k]) return 1;
+  return 0;
+}
+
+/* Corners, sides and inside of a triangle of the sheet against a face of a mesh. */
+static int meets_face(const sweep_point c[3], const sweep_point f[3]) {
+  for (uint32_t k = 0; k < 3; ++k) {
+    if (!solid_stays(&c[k]) && touches(&c[k], &f[0], &f[1], &f[2], 1)) return 1;
+    if (touches(&f[k], &c[0], &c[1], &c[2], 1)) return 1;
+    for (uint32_t n = 0; n < 3; ++n)
+      if ((!solid_stays(&c[k]) || !solid_stays(&c[(k + 1) % 3])) &&
+          touches(&c[k], &c[(k + 1) % 3], &f[n], &f[(n + 1) % 3], 0))
+        return 1;
+  }
+  return 0;
+}
+
+static int meets(const solid *t, const sweep_point c[3]) {
+  const solid_span all = solid_span_of(c, 3, 0);
+  const sweep_point middle = {{0, 0, 0}, {0, 0, 0}};
+  if (t->radius != 0) return solid_holds(&all, middle.begin) && touches(&middle, &c[0], &c[1], &c[2], 1);
+  for (uint32_t face = 0; face < (uint32_t)t->m.of->faces; ++face) {
+    sweep_point f[3];
+    for (uint32_t k = 0; k < 3; ++k) f[k].begin = f[k].end = mesh_corner(&t->m, face, k);
+    const solid_span one = solid_span_of(f, 3, 0);
+    if (!apart(&all, &one) && meets_face(c, f)) return 1;
+  }
+  return 0;
+}
+
+/* As seen from the body; 0: where it stands still, or the body holds it. */
+static int corners_of(const fray_world *w, const solid *t, uint32_t triangle, sweep_point c[3]) {
+  const row_id *v = w->sheet.triangle[triangle].v;
+  int moves = 0;
+  for (uint32_t k = 0; k < 3; ++k) {
+    c[k] = solid_way(w, t, v[k]);
+    moves |= !solid_stays(&c[k]);
+    if (v[k] < (uint32_t)w->params->held && w->grip_body[v[k]] == t->body) return 0;
+  }
+  return moves;
+}
+
+static void watch_end(const fray_world *w) {
+  if (!in_substep) return;
+  in_substep = 0;
+  ended_count = 0;
+  if ((w->state->faults & (int32_t)FRAY_FAULT_JAMMED) != 0) return;
+  for (uint32_t n = 0; n < mesh_solids(w); ++n) {
+    const solid t = solid_at(w, n);
+    for (uint32_t f = 0; f < (uint32_t)w->sheet.state->triangles; ++f) {
+      sweep_point c[3];
+      ++ways;
+      passed += (uint32_t)(corners_of(w, &t, f, c) && meets(&t, c));
+    }
+  }
+  ended_count = w->particles;
+  for (uint32_t p = 0; p < w->particles; ++p) ended[p] = world_position(w, p);
+}
+
+typedef struct {
+  double x, y, z;
+} point;
+static point seen(const fray_world *w, uint32_t p, const int32_t at[3]) {
+  const point v = {(w->x[p] - (double)at[0]) * 0x1p-24, (w->y[p] - (double)at[1]) * 0x1p-24,
+                   (w->z[p] - (double)at[2]) * 0x1p-24};
+  return v;
+}
+static double dot(point a, point b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static point minus(point a, point b) {
+  const point d = {a.x - b.x, a.y - b.y, a.z - b.z};
+  return d;
+}
+/* Of the origin from a side. */
+static double from_side(point a, point b) {
+  const point e = minus(b, a);
+  const double t = fmin(1, fmax(0, -dot(a, e) / fmax(dot(e, e), 1e-30)));
+  const point n = {a.x + t * e.x, a.y + t * e.y, a.z + t * e.z};
+  return sqrt(dot(n, n));
+}
+static double from_triangle(point a, point b, point c) {
+  const point e = minus(b, a);
+  const point f = minus(c, a);
+  const point n = {e.y * f.z - e.z * f.y, e.z * f.x - e.x * f.z, e.x * f.y - e.y * f.x};
+  const double ee = dot(e, e);
+  const double ff = dot(f, f);
+  const double ef = dot(e, f);
+  const double whole = ee * ff - ef * ef;
+  const double u = (ef * dot(f, a) - ff * dot(e, a)) / fmax(whole, 1e-30);
+  const double v = (ef * dot(e, a) - ee * dot(f, a)) / fmax(whole, 1e-30);
+  if (whole > 1e-20 && u >= 0 && v >= 0 && u + v <= 1) return fabs(dot(n, a)) / sqrt(dot(n, n));
+  return fmin(from_side(a, b), fmin(from_side(b, c), from_side(c, a)));
+}
+
+static void look_into_balls(const fray_world *w) {
+  for (uint32_t n = mesh_count(w); n < mesh_solids(w); ++n) {
+    const solid t = solid_at(w, n);
+    for (uint32_t f = 0; f < (uint32_t)w->sheet.state->triangles; ++f) {
+      const row_id *v = w->sheet.triangle[f].v;
+      const int32_t *at = w->body_states[t.body].position;
+      deepest = fmax(deepest, t.radius * 0x1p-24 - from_triangle(seen(w, v[0], at), seen(w, v[1], at),
+                                                                seen(w, v[2], at)));
+    }
+  }
+}
+
+/* Returns faults. */
+static uint32_t nothing_passes(const char *name, fixture *f, uint32_t ticks) {
+  uint32_t faults = 0;
+  fray_output out;
+  fray_work sum;
+  const fray_work limits = fray_limits(f->w);
+  passed = broken = ways = pairs = ended_count = jams = 0;
+  deepest = -1e9;
+  memset(&sum, 0, sizeof sum);
+  for (uint32_t tick = 0; tick < ticks; ++tick) {
+    watched_tick(f->w, &fixture_idle, &out);
+    ended_count = 0; /* tears put vertices elsewhere */
+    faults |= out.faults;
+    look_into_balls(f->w);
+    sum.mesh_sweeps += out.work.mesh_sweeps;
+    sum.mesh_stops += out.work.mesh_stops;
+    CHECK(out.work.mesh_tests <= limits.mesh_tests && out.work.mesh_boxes <= limits.mesh_boxes &&
+          out.work.mesh_sweeps <= limits.mesh_sweeps && out.work.mesh_stops <= limits.mesh_stops);
+  }
+  const double thickness = f->w->params->thickness * 0x1p-24;
+  printf("figure press_%s %u ways of triangles, %u pairs near, %u pass (asked: 0), %u begin elsewhere "
+         "(asked: 0); %u sweeps, %u stopped, %u substeps jammed, faults 0x%02X",
+         name, ways, pairs, passed, broken, sum.mesh_sweeps, sum.mesh_stops, jams, faults);
+  if (deepest > -1e8) printf("; %.2f of the thickness in a ball (asked: at most 1)", fmax(0, deepest) / thickness);
+  printf("\n");
+  CHECK_EQ_INT(passed, 0);
+  CHECK_EQ_INT(broken, 0);
+  CHECK(deepest <= thickness || jams > 0);
+  return faults;
+}
+
+#define CLOTH(more) \
+  "scene s\nrate 1000 Hz\ntriangles { columns 12 rows 12 edge 1 cm material cotton plane horizontal drag 1 /s " \
+  "inner_steps 32 thickness 0.08 cm " more " }\n" \
+  "material cotton { like t-shirt stretch all 120 20 100 40 N/m }\nlimits { contacts 2000 spare_particles 0 " \
+  "spare_triangles 0 }\n"
+#define MESH(name, more) "mesh m { obj \"tests/scenes/meshes/" name ".obj\" " more " }\n"
+
+static void try_scene(const char *name, const char *text, uint32_t ticks, uint32_t faults) {
+  fixture f;
+  fixture_text(&f, text);
+  CHECK_EQ_INT(nothing_passes(name, &f, ticks), faults);
+  fixture_close(&f);
+}
+
+static void cloth_falls(void) {
+  try_scene("box", CLOTH("at 0 2.2 0 cm mesh irregular 3") "substeps 4\n" MESH("box", "unit 4 cm at 0 0 0 cm"), 200, 0);
+  try_scene("spike", CLOTH("at 0 1.1 0 cm") "substeps 4\n" MESH("sword", "turn 80 deg about z at -1 -3.9 0.2 cm"), 200, 0);
+  try_scene("mesh_ball", CLOTH("at 0 3.2 0 cm") "substeps 4\n" MESH("ball", "unit 3 cm at 0 0 0 cm friction 0"), 200, 0);
+  try_scene("ball", CLOTH("at 0 3.2 0 cm") "substeps 4\nball b { radius 3 cm at 0 0 0 cm }\n", 200, 0);
+  try_scene("small_ball", CLOTH("at 0.3 0.5 0.2 cm") "substeps 4\nball b { radius 0.3 cm at 0 0 0 cm }\n", 200, 0);
+}
+
+/* 50 m/s. */
+static void thrown_bodies_stay_in_front(void) {
+  try_scene("thrown_ball",
+            CLOTH("at 0 0 0 cm") "substeps 8\npin row top\npin row bottom\nball b { radius 0.4 cm at 0.3 3 0.2 cm "
+            "move free mass 0.05 g velocity 0 -5000 0 cm/s }\n", 40, 0);
+  try_scene("thrown_box",
+            CLOTH("at 0 0 0 cm") "substeps 8\npin row top\n" MESH("box", "unit 0.5 cm at 0.3 3 0.2 cm move free "
+            "mass 0.05 g velocity 0 -5000 300 cm/s"), 40, 0);
+  try_scene("slash",
+            CLOTH("at 0 0 0 cm") "substeps 8\npin row top\n" MESH("sword", "friction 1 move path { 0 s -2 6 0 cm "
+            "0.01 s -2 6 0 cm 0.014 s 3 3 0 cm 0.03 s 3 4 1 cm 0.04 s -3 3 -1 cm }"), 80, 0);
+}
+
+/* Nothing stops this one: at last it draws triangles at held vertices through itself, which is reported. */
+static void what_is_too_heavy_is_reported(void) {
+  fixture f;
+  fixture_text(&f, CLOTH("at 0 0 0 cm") "substeps 8\npin row top\npin row bottom\nball b { radius 0.4 cm at 0.3 3 "
+               "0.2 cm move free mass 5 g velocity 0 -5000 0 cm/s }\n");
+  CHECK(nothing_passes("heavy_ball", &f, 60) & FRAY_FAULT_JAMMED);
+  CHECK(jams > 0);
+  fixture_close(&f);
+}
+
+static void pools_that_are_too_small(void) {
+  try_scene("few_contacts",
+            "scene s\nrate 1000 Hz\nsubsteps 4\ntriangles { columns 8 rows 8 edge 1 cm material paper plane "
+            "horizontal at 0 2.2 0 cm }\nlimits { contacts 12 spare_particles 0 spare_triangles 0 }\n"
+            MESH("box", "unit 4 cm at 0 0 0 cm"), 150, FRAY_FAULT_CONTACTS_FULL);
+}
+
+int main(void) {
+  TEST(cloth_falls);
+  TEST(thrown_bodies_stay_in_front);
+  TEST(what_is_too_heavy_is_reported);
+  TEST(pools_that_are_too_small);
+  return test_end();
+}
