@@ -4,8 +4,8 @@
  * thickness, against triangles. What begins apart stays apart, in three passes:
  *
  *   repulsion   what comes within the cloth's thickness is pushed out to it, along the way from the nearest
- *               points, with friction; corners move by their weights there and their inverse masses, so the
- *               nearest point moves by all of it. The side is that of where the substep began.
+ *               points, with friction; corners move by their weights there, none farther than the nearest
+ *               point is to. The side is that of where the substep began.
  *   resolution  a triangle whose way touches something nevertheless is not moved: its corners keep their
  *               places beside the body. That changes the ways of triangles around it, so they are looked at
  *               again, a few times.
@@ -19,7 +19,7 @@
 #include "rt/stage/solids.h"
 #include "rt/stage/stage.h"
 
-enum { WEIGHT_SHIFT = 16, SHARE_BITS = 16, SHARE_MOST = 4 << SHARE_BITS };
+enum { SHARE_BITS = 16, SHARE_MOST = 1 << SHARE_BITS };
 
 /* A triangle of the sheet, as seen from the body. */
 typedef struct {
@@ -110,18 +110,18 @@ static vec3 point_of(const int32_t weight[3], vec3 a, vec3 b, vec3 c) {
                   weighed(weight, a.z, b.z, c.z));
 }
 
-/* How far each corner moves for a step of the point with these weights; 0 where none can. */
+/* How far each corner moves for a step of the point with these weights, at most as far; 0 where none can. By
+ * masses too, vertices of slivers, a hundred times lighter, would go as much farther and tear away. */
 static int shares_of(const fray_world *w, const flap *f, const int32_t weight[3], int32_t share[3]) {
-  uint64_t inverse[3];
   uint64_t whole = 0;
   for (uint32_t k = 0; k < 3; ++k) {
     const int moves = f->v[k] >= (uint32_t)w->params->held && (w->aside[f->v[k]] & SOLID_STANDS) == 0;
-    inverse[k] = moves ? ((uint32_t)w->inverse[f->v[k]] >> WEIGHT_SHIFT) + 1u : 0;
-    whole += inverse[k] * fx_square(weight[k]);
+    share[k] = moves ? weight[k] : 0;
+    whole += fx_square(share[k]);
   }
   if (whole == 0) return 0;
   for (uint32_t k = 0; k < 3; ++k) {
-    const uint64_t part = (inverse[k] * (uint32_t)weight[k] << (15 + SHARE_BITS)) / whole;
+    const uint64_t part = ((uint64_t)(uint32_t)share[k] << (15 + SHARE_BITS)) / whole;
     share[k] = part > SHARE_MOST ? SHARE_MOST : (int32_t)part;
   }
   return 1;
