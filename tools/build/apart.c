@@ -17,14 +17,23 @@ static int box_is_near(const mesh_box *b, const sweep_point *points, uint32_t co
   return 1;
 }
 
+/* As a point that goes from one end of the edge to the other. */
+static int edge_touches(const sweep_point *from, const sweep_point *to, const sweep_point triangle[3],
+                        int32_t skin) {
+  const sweep_point edge = {from->begin, to->begin};
+  sweep_contact c;
+  return sweep_point_triangle(&edge, triangle, skin, &c);
+}
+
 /* One point of the sheet, or three corners, against a face of the mesh. */
 static int touches_face(const sweep_point *points, uint32_t count, const sweep_point face[3], int32_t skin) {
   sweep_contact c;
-  for (uint32_t n = 0; n < count; ++n)
-    if (sweep_point_triangle(&points[n], face, skin, &c)) return 1;
-  for (uint32_t n = 0; n < 3 && count == 3; ++n) {
-    const sweep_point edge[2] = {face[n], face[(n + 1) % 3]};
-    if (sweep_point_triangle(&face[n], points, skin, &c)) return 1;
+  if (count == 1) return sweep_point_triangle(&points[0], face, skin, &c);
+  for (uint32_t n = 0; n < 3; ++n) {
+    const uint32_t next = (n + 1) % 3;
+    const sweep_point edge[2] = {face[n], face[next]};
+    if (edge_touches(&points[n], &points[next], face, skin) || edge_touches(&face[n], &face[next], points, skin))
+      return 1;
     for (uint32_t k = 0; k < 3; ++k) {
       const sweep_point side[2] = {points[k], points[(k + 1) % 3]};
       if (sweep_edges(edge, side, skin, &c)) return 1;
@@ -63,12 +72,16 @@ static int triangle_beside(const fray_world *w, uint32_t t, uint32_t b, sweep_po
   return 1;
 }
 
+static int whole_mm(const draft *d, int32_t lu) {
+  return (int)fx_round64((int64_t)lu * d->lu_um / 1000, FX_POSITION_BITS);
+}
+
 static int refuse_triangle(const draft *d, const fray_world *w, uint32_t n, uint32_t t) {
   const scene_body *b = &d->scene->bodies[n];
   const sheet_point at = sheet_at(&w->sheet, w->sheet.triangle[t].v[0]);
   return draft_refuse(d, b->line, "%s: found it at the triangles, at %d mm along their weft, %d mm along their "
-                      "warp, expected %s", b->name, (int)((int64_t)at.u * d->lu_um / FX_LU / 1000),
-                      (int)((int64_t)at.v * d->lu_um / FX_LU / 1000),
+                      "warp, expected %s", b->name, whole_mm(d, at.u),
+                      whole_mm(d, at.v),
                       b->shape == FRAY_MESH ? "them apart by a quarter of their thickness at least"
                                             : "its middle to be beside them");
 }
