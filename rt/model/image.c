@@ -83,7 +83,9 @@ const image_array image_arrays[] = {
     SHEET_TICK(POOL_PARTICLES, int32_t, low_x),
     SHEET_TICK(POOL_PARTICLES, int32_t, low_y),
     SHEET_TICK(POOL_PARTICLES, int32_t, low_z),
+#if FRAY_MESHES
     {"meshes", IMAGE_MESHES, ROLE_CONSTANT, KIND_WORD, POOL_MESH_WORDS, POOL_MESH_WORDS, 1, AT(meshes)},
+#endif
     TICK(POOL_PARTICLES, int32_t, qx),
     TICK(POOL_PARTICLES, int32_t, qy),
     TICK(POOL_PARTICLES, int32_t, qz),
@@ -94,12 +96,14 @@ const image_array image_arrays[] = {
 #if SLIP_PLANNED
     YARN(0, ROLE_TICK, KIND_STRUCT, POOL_CROSSINGS, 4 * SLIP_PLAN_WORDS, slip_plan),
 #endif
+#if FRAY_MESHES
     WITH_MESHES(POOL_PARTICLES, int32_t, sx),
     WITH_MESHES(POOL_PARTICLES, int32_t, sy),
     WITH_MESHES(POOL_PARTICLES, int32_t, sz),
     WITH_MESHES(POOL_BODIES, vec3, stood),
     {"aside", 0, ROLE_TICK, KIND_BYTE, POOL_PARTICLES, POOL_MESH_WORDS, 1, AT(aside)},
     WITH_MESHES(POOL_TRIANGLES, row_id, beside),
+#endif
 };
 const uint32_t image_array_count = sizeof image_arrays / sizeof image_arrays[0];
 
@@ -203,7 +207,8 @@ size_t image_blank(const uint32_t capacity[POOLS], void *memory, fray_world **wo
 static fray_status read_mesh_words(const uint8_t *image, size_t bytes, uint32_t capacity[POOLS],
                                    fray_error *error) {
   capacity[POOL_MESH_WORDS] = 0;
-  if ((bytes_load32(image + 4 * IMAGE_VERSION_WORD) & 0xFFFFu) != IMAGE_MINOR_MESHES) return FRAY_OK;
+  if (!FRAY_MESHES || (bytes_load32(image + 4 * IMAGE_VERSION_WORD) & 0xFFFFu) != IMAGE_MINOR_MESHES)
+    return FRAY_OK;
   const uint32_t sections = bytes_load32(image + 4 * IMAGE_SECTIONS_WORD);
   if (sections < 1 || sections > IMAGE_MESHES)
     return image_refuse(error, FRAY_BAD_SECTION, 0, IMAGE_SECTIONS_WORD, "every section once");

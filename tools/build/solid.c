@@ -360,7 +360,7 @@ uint32_t draft_mesh_words(const draft *d) {
 }
 
 static int32_t *put(int32_t *words, const void *table, int32_t count, size_t size) {
-  memcpy(words, table, (size_t)count * size);
+  if (count > 0) memcpy(words, table, (size_t)count * size);
   return words + (size_t)count * size / 4;
 }
 
