@@ -19,6 +19,7 @@ static uint32_t ball_of(const fray_world *w, uint32_t n) {
 
 solid solid_at(const fray_world *w, uint32_t n) {
   const uint32_t meshes = mesh_count(w);
+  const mesh_parts none = {NULL, NULL, NULL, NULL, NULL, 0};
   solid t;
   if (n < meshes) {
     t.m = mesh_at(w, n);
@@ -26,6 +27,7 @@ solid solid_at(const fray_world *w, uint32_t n) {
     t.radius = 0;
     t.around = t.m.boxes[0];
   } else {
+    t.m = none;
     t.body = ball_of(w, n - meshes);
     t.radius = w->bodies[t.body].radius;
     for (uint32_t k = 0; k < 3; ++k) {
