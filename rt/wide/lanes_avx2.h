@@ -186,10 +186,13 @@ LANES_INLINE longs longs_xor(longs a, longs b) {
 LANES_INLINE longs longs_of(lanes v) { return (longs){lanes_even(v), lanes_odd(v)}; }
 LANES_INLINE lanes lanes_and(lanes a, lanes b) { return _mm256_and_si256(a, b); }
 
-/* Four words from each of two places, beside one another. */
-LANES_INLINE lanes lanes_four(const int32_t *a, const int32_t *b) {
-  const __m256i one = _mm256_castsi128_si256(_mm_loadu_si128((const __m128i *)(const void *)a));
-  return _mm256_inserti128_si256(one, _mm_loadu_si128((const __m128i *)(const void *)b), 1);
+LANES_INLINE __m128i lanes_record(const int32_t *record) {
+  return _mm_loadu_si128((const __m128i *)(const void *)record);
+}
+/* Four words of each of the records at[0], at[4], of so many words each, beside one another. */
+LANES_INLINE lanes lanes_four(const int32_t *from, uint32_t words, const uint32_t *at) {
+  const __m256i one = _mm256_castsi128_si256(lanes_record(from + words * at[0]));
+  return _mm256_inserti128_si256(one, lanes_record(from + words * at[4]), 1);
 }
 /* In every four lanes: a0 b0 a1 b1, or a2 b2 a3 b3. */
 LANES_INLINE lanes lanes_mix_low(lanes a, lanes b) { return _mm256_unpacklo_epi32(a, b); }

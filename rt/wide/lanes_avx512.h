@@ -156,12 +156,15 @@ LANES_INLINE longs longs_xor(longs a, longs b) {
 LANES_INLINE longs longs_of(lanes v) { return (longs){lanes_even(v), lanes_odd(v)}; }
 LANES_INLINE lanes lanes_and(lanes a, lanes b) { return _mm512_and_si512(a, b); }
 
-/* Four words from each of four places, beside one another. */
-LANES_INLINE lanes lanes_four(const int32_t *a, const int32_t *b, const int32_t *c, const int32_t *d) {
-  const __m128i *const at[4] = {(const __m128i *)(const void *)a, (const __m128i *)(const void *)b,
-                                (const __m128i *)(const void *)c, (const __m128i *)(const void *)d};
-  const __m512i one = _mm512_inserti32x4(_mm512_castsi128_si512(_mm_loadu_si128(at[0])), _mm_loadu_si128(at[1]), 1);
-  return _mm512_inserti32x4(_mm512_inserti32x4(one, _mm_loadu_si128(at[2]), 2), _mm_loadu_si128(at[3]), 3);
+LANES_INLINE __m128i lanes_record(const int32_t *record) {
+  return _mm_loadu_si128((const __m128i *)(const void *)record);
+}
+/* Four words of each of the records at[0], at[4], at[8], at[12], of so many words each, beside one another. */
+LANES_INLINE lanes lanes_four(const int32_t *from, uint32_t words, const uint32_t *at) {
+  const __m512i one = _mm512_castsi128_si512(lanes_record(from + words * at[0]));
+  const __m512i two = _mm512_inserti32x4(one, lanes_record(from + words * at[4]), 1);
+  const __m512i three = _mm512_inserti32x4(two, lanes_record(from + words * at[8]), 2);
+  return _mm512_inserti32x4(three, lanes_record(from + words * at[12]), 3);
 }
 /* In every four lanes: a0 b0 a1 b1, or a2 b2 a3 b3. */
 LANES_INLINE lanes lanes_mix_low(lanes a, lanes b) { return _mm512_unpacklo_epi32(a, b); }

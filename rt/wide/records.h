@@ -6,22 +6,12 @@
 #include "rt/wide/longs.h"
 
 #ifdef LANES_LONGS
-/* A block is four lanes; n of a group is n of every block. */
-LANES_INLINE lanes records_group(const int32_t *from, uint32_t words, const uint32_t at[LANES], uint32_t n) {
-#if defined(__AVX512F__) && defined(FRAY_WIDE_LANES_AVX512_H)
-  return lanes_four(from + words * at[n], from + words * at[n + 4], from + words * at[n + 8],
-                    from + words * at[n + 12]);
-#else
-  return lanes_four(from + words * at[n], from + words * at[n + 4]);
-#endif
-}
-
 /* Word k of the record at[n], of so many words each, comes to stand in lane n of word[k]. */
 LANES_INLINE void records_take(const int32_t *from, uint32_t words, const uint32_t at[LANES], lanes word[4]) {
-  const lanes a = records_group(from, words, at, 0);
-  const lanes b = records_group(from, words, at, 1);
-  const lanes c = records_group(from, words, at, 2);
-  const lanes d = records_group(from, words, at, 3);
+  const lanes a = lanes_four(from, words, at);
+  const lanes b = lanes_four(from, words, at + 1);
+  const lanes c = lanes_four(from, words, at + 2);
+  const lanes d = lanes_four(from, words, at + 3);
   const lanes ab = lanes_mix_low(a, b);
   const lanes cd = lanes_mix_low(c, d);
   const lanes ab_high = lanes_mix_high(a, b);
@@ -32,7 +22,7 @@ LANES_INLINE void records_take(const int32_t *from, uint32_t words, const uint32
   word[3] = lanes_twos_high(ab_high, cd_high);
 }
 
-/* The other way round: record 4 b + n stands in block b of group[n]. */
+/* The other way round: record 4 b + n stands in lanes 4 b to 4 b + 3 of group[n]. */
 LANES_INLINE void records_split(const lanes word[4], lanes group[4]) {
   const lanes xy = lanes_mix_low(word[0], word[1]);
   const lanes zw = lanes_mix_low(word[2], word[3]);
