@@ -46,6 +46,7 @@ fray_work fray_limits(const fray_world *w) {
   const uint32_t particles =
       (uint32_t)(p->particles - p->held) + (world_has_sheet(w) ? born : spares);
   fray_work most;
+  bytes_zero(&most, sizeof most);
   most.predictions = particles * substeps;
   most.projections = stepped(w, 0, link_batches) * (uint32_t)p->sweeps * substeps;
   most.springs = stepped(w, link_batches, w->capacity[POOL_BATCHES]);
