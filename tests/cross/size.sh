@@ -62,14 +62,13 @@ measure_code() { # NAME OPT CC FLAGS...
 # Instructions and constants of the code, start-up and helpers too; images and logs are not in .text.
 measure_firmware() { # OPT
   sh tests/target/target.sh needs m3 >/dev/null || return 0
-  firmware m3 "$1" 1
-  bytes=$(arm-none-eabi-size -A "$stack_work/m3-$1.elf" | awk '$1 == ".text" { print $2 }')
-  echo "  m3$1: a whole firmware with triangle sheets has $bytes bytes of instructions"
-  echo "code.m3$1.firmware_sheets $bytes arm-none-eabi-gcc" >>"$measured"
-  firmware m3 "$1"
-  bytes=$(arm-none-eabi-size -A "$stack_work/m3-$1.elf" | awk '$1 == ".text" { print $2 }')
-  echo "  m3$1: a whole firmware has $bytes bytes of instructions"
-  echo "code.m3$1.firmware $bytes arm-none-eabi-gcc" >>"$measured"
+  for what in meshes sheets woven; do
+    firmware m3 "$1" $what
+    bytes=$(arm-none-eabi-size -A "$stack_work/m3-$1.elf" | awk '$1 == ".text" { print $2 }')
+    echo "  m3$1: a whole firmware of $what has $bytes bytes of instructions"
+    [ $what = woven ] && of='' || of=_$what
+    echo "code.m3$1.firmware$of $bytes arm-none-eabi-gcc" >>"$measured"
+  done
 }
 
 # Every pool as large as it can be of use: a second particle for each crossing, a contact for each

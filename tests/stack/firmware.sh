@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# The firmware whose stack and code are bounded: firmware NAME OPT [TRIANGLES] builds
-# $stack_work/NAME-OPT.elf for a machine of target.sh, with the compiler's call graph beside it; with
-# triangle sheets iff TRIANGLES is 1.
+# The firmware whose stack and code are bounded: firmware NAME OPT [WHAT] builds $stack_work/NAME-OPT.elf
+# for a machine of target.sh, with the compiler's call graph beside it: of woven sheets only, or with WHAT,
+# `sheets` of triangles or rigid `meshes` too.
 stack_work=$FRAY_BUILD/stack
 
 firmware_cases() {
@@ -20,8 +20,13 @@ firmware_cases() {
     frayed "$stack_work/frayed.img" - - 300 >"$stack_work/cases.c"
 }
 
-firmware() { # NAME OPT
+firmware() { # NAME OPT [WHAT]
   rm -f "$stack_work/$1-$2.elf"*
+  case ${3:-woven} in
+    woven) set -- "$1" "$2" -DFRAY_TRIANGLES=0 ;;
+    sheets) set -- "$1" "$2" -DFRAY_MESHES=0 ;;
+    meshes) set -- "$1" "$2" -Wl,--defsym=code_max=128K ;;
+  esac
   sh tests/target/target.sh build "$1" "$2" "$stack_work/$1-$2.elf" tests/stack/firmware.c \
-    "$stack_work/cases.c" platform/loop.c rt/*/*.c -fcallgraph-info=su,da -DFRAY_TRIANGLES="${3:-0}"
+    "$stack_work/cases.c" platform/loop.c rt/*/*.c -fcallgraph-info=su,da "$3"
 }

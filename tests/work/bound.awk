@@ -37,8 +37,8 @@ function rounds(what) {
   if (what == "pull_held") return (stretches != 0) * 3 * held * substeps
   if (what == "pull_free") return (stretches != 0) * 3 * most["predictions"]
   if (what == "inner_moves") return 3 * inner_steps * (most["predictions"] + held * substeps)
-  # scenes of `make work` have no meshes, and no sweeps
-  if (what == "meshes" || what == "pieces" || what == "halvings" || what == "looks") return 0
+  # scenes of `make work` have no sweeps
+  if (what == "pieces" || what == "halvings" || what == "looks") return 0
   if (what == "batch_sweeps") return link_batches * sweeps * substeps
   if (what == "spring_batches") return spring_batches
   if (what == "springs") return most["springs"]
@@ -66,8 +66,8 @@ function rounds(what) {
   if (what == "keys") return keys
   if (what == "hash_words") return 6 * particles + 40 + 12 * bodies + 5 * yarns + (triangles ? 13 + 6 * triangles : 0)
   if (what == "hash_bytes") return 3 * particles
-  if (what == "zeroed") return output_bytes + motion_bytes * bodies + 64 + (triangles ? 32 * particles : 0)
-  if (what == "zeroed_words") return (output_bytes + motion_bytes * bodies) / 4 + 64 + (triangles ? 8 * particles : 0)
+  if (what == "zeroed") return cleared_bytes + motion_bytes * bodies + (triangles ? 32 * particles : 0)
+  if (what == "zeroed_words") return (cleared_bytes + motion_bytes * bodies) / 4 + 64 + (triangles ? 8 * particles : 0)
   if (what == "rise_steps") return most["cuts"] * depth
   if (what == "sink_steps") return most["tear_tests"] * depth
   if (what == "triangles") return triangles
@@ -104,7 +104,7 @@ $1 == "limits" {
   free_bodies = $14; bodies = $13 + $14; planes = $15; cuts_max = $16
   drag = $18; damping = $19; keys = $20; held_projections = $21
   strong = $22; springs_held = $33; paths = $34; mirrored = $35; hands = $36
-  output_bytes = $23; motion_bytes = $24
+  cleared_bytes = $23; motion_bytes = $24
   yarns = $37; spares = $38; slips = $39; splits = $40; all_yarn = $41
   warps = $3; wefts = $42; stretches = $43; inner_steps = $44; crossings = $3 * $42; particles += spares
   triangles = $45; sheet_inner = $46; folds = $47; cloths = $48

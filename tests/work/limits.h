@@ -46,7 +46,7 @@ static inline void limits_print(const char *name, const fray_world *w) {
                             p->drag != 0, p->relative_damping != 0, w->capacity[POOL_KEYS],
                             limits_held_rows(w, 0, p->link_batches) *
                                 (uint32_t)(p->sweeps * p->substeps),
-                            limits_strong_springs(w), sizeof(fray_output),
+                            limits_strong_springs(w), sizeof(fray_output) + sizeof(fray_work),
                             sizeof(body_motion),
                             most.predictions, most.projections, most.springs, most.contacts,
                             most.gathers, most.tear_tests, most.over, most.cuts,
