@@ -62,20 +62,22 @@ FIXTURE void fixture_open_image(fixture *f) {
   f->facts = fray_describe(f->w);
 }
 
-FIXTURE void fixture_text(fixture *f, const char *text) {
+/* The text of a scene as if it stood in `file`: where the meshes are that it names. */
+FIXTURE void fixture_text_of(fixture *f, const char *file, const char *text) {
   scene *s = malloc(sizeof *s);
   scene_error error;
   memset(f, 0, sizeof *f);
   memset(&error, 0, sizeof error);
   if (s == NULL) fixture_give_up("fixture", "out of memory");
-  if (!scene_parse("test", text, strlen(text), s, &error) ||
-      !build_image(s, "test", &f->image, &f->image_bytes, &f->report, NULL, NULL, &error)) {
+  if (!scene_parse(file, text, strlen(text), s, &error) ||
+      !build_image(s, file, &f->image, &f->image_bytes, &f->report, NULL, NULL, &error)) {
     printf("%s\n", text);
     fixture_give_up("scene", error.message);
   }
   free(s);
   fixture_open_image(f);
 }
+FIXTURE void fixture_text(fixture *f, const char *text) { fixture_text_of(f, "test", text); }
 
 /* A scene's text from printf arguments. */
 __attribute__((format(printf, 2, 3))) FIXTURE void fixture_print(fixture *f, const char *format,
@@ -124,7 +126,7 @@ FIXTURE void fixture_file(fixture *f, const char *path, ...) {
     if (!found) fixture_give_up(path, from);
   }
   va_end(list);
-  fixture_text(f, text);
+  fixture_text_of(f, path, text);
   free(text);
 }
 

@@ -9,7 +9,8 @@
  * and by nothing else: projections, bend and shear springs give to one end what they take from the
  * other. Nothing is rounded between, so the residual must be exactly 0 as long as nothing
  * saturates; also while springs are cut, and with contacts. `damping` (towards the rigid motion)
- * rounds per particle and is taken out of the scenes. */
+ * rounds per particle and is taken out of the scenes. Vertices of triangles have many masses, and wind:
+ * not in this ledger. */
 #include <dirent.h>
 
 #include "tests/lib/test.h"
@@ -25,6 +26,13 @@ static uint32_t scene_count;
 
 static int by_name(const void *a, const void *b) { return strcmp(a, b); }
 
+static int is_of_triangles(const char *path) {
+  char *text = fixture_read(path);
+  const int found = strstr(text, "\ntriangles {") != NULL;
+  free(text);
+  return found;
+}
+
 static void list_scenes(void) {
   DIR *folder = opendir("tests/scenes");
   if (folder == NULL) fixture_give_up("tests/scenes", "not there; run from the root");
@@ -32,7 +40,8 @@ static void list_scenes(void) {
     const size_t length = strlen(entry->d_name);
     if (length < 7 || strcmp(entry->d_name + length - 6, ".scene") != 0) continue;
     if (scene_count == SCENES_MAX) fixture_give_up("tests/scenes", "more than 64 scenes");
-    snprintf(scenes[scene_count++], sizeof scenes[0], "tests/scenes/%.200s", entry->d_name);
+    snprintf(scenes[scene_count], sizeof scenes[0], "tests/scenes/%.200s", entry->d_name);
+    if (!is_of_triangles(scenes[scene_count])) ++scene_count;
   }
   closedir(folder);
   qsort(scenes, scene_count, sizeof scenes[0], by_name);
@@ -133,7 +142,7 @@ static void check_scene(const char *path, int with_drag) {
   edit(&text, "substeps auto", "substeps 8"); /* the ledger holds for any number of them */
   edit(&text, "settle 1 s", "settle 0.2 s");
   edit(&text, "settle 0.5 s", "settle 0.2 s");
-  fixture_text(&f, text);
+  fixture_text_of(&f, path, text);
   free(text);
   fixture_params(&f)->relative_damping = 0;
   if (!with_drag) fixture_params(&f)->drag = 0;
