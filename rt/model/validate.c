@@ -87,8 +87,9 @@ static int counts_fit(const fray_world *w, fray_error *error) {
           have[POOL_BATCHES];
   const int fit =
       (world_has_sheet(w) ? sheet_counts_fit(w) : woven) &&
-      (uint32_t)p->particles <= have[POOL_PARTICLES] && (uint32_t)p->held == have[POOL_HELD] &&
-      p->held <= p->particles && (uint32_t)p->bodies == have[POOL_BODIES] && (uint32_t)p->cuts_max == have[POOL_CUTS] &&
+      (uint32_t)p->particles <= have[POOL_PARTICLES] && w->particles <= have[POOL_PARTICLES] &&
+      (uint32_t)p->held == have[POOL_HELD] && p->held <= p->particles &&
+      (uint32_t)p->bodies == have[POOL_BODIES] && (uint32_t)p->cuts_max == have[POOL_CUTS] &&
       have[POOL_LINK_CLASSES] >= 1 && have[POOL_SPRING_CLASSES] >= 1;
   if (!fit) return bad(error, IN_PARAMS, 0, "counts that agree with the header's capacities");
   if (p->tear_max < p->tear_min) return bad(error, IN_PARAMS, 0, "tear_max at least tear_min");

@@ -90,8 +90,10 @@ void solid_list_near(fray_world *w, const solid *t, const solid_span *s, uint32_
 int solid_meets(fray_world *w, const solid *t, uint32_t face, const sweep_point *way, int32_t skin,
                 sweep_contact *c) {
   sweep_point corners[3];
-  for (uint32_t k = 0; k < 3; ++k)
-    corners[k].begin = corners[k].end = mesh_corner(&t->m, face, k);
+  for (uint32_t k = 0; k < 3; ++k) {
+    corners[k].begin = mesh_corner(&t->m, face, k);
+    corners[k].end = corners[k].begin;
+  }
   ++w->work.mesh_sweeps;
   return sweep_point_triangle(way, corners, skin, c);
 }

@@ -1,16 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The loader up to the point where a world stands in memory; what checks its values is in
  * eva_validate.c. headers(): any bytes, any capacities, any length. loads(): capacities of one
- * shape, everything else arbitrary; image and memory end where they must. */
+ * shape, without rigid meshes and with them, everything else arbitrary; image and memory end where they
+ * must. */
 #include "rt/model/image.c"
 #include "tests/proof/any.h"
 
 enum {
   PARTICLES = 5, HELD = 1, CROSSINGS = 4, ROWS = 6, BATCHES = 3, CLASSES = 2, BODIES = 1,
-  KEYS = 1, CONTACTS = 1, CUTS = 1
+  KEYS = 1, CONTACTS = 1, CUTS = 1, MESH_WORDS = 9
 };
-static const uint32_t shape[POOLS] = {1,       1,       PARTICLES, HELD, CROSSINGS, ROWS, BATCHES,
+static const uint32_t plain[POOLS] = {1,       1,       PARTICLES, HELD, CROSSINGS, ROWS, BATCHES,
                                       CLASSES, CLASSES, BODIES,    KEYS, CONTACTS,  CUTS};
+static const uint32_t meshes[POOLS] = {1,       1,       PARTICLES, HELD, CROSSINGS, ROWS, BATCHES,
+                                       CLASSES, CLASSES, BODIES,    KEYS, CONTACTS,  CUTS, 0, 0, 0,
+                                       MESH_WORDS};
 
 /* Words of 64 bits, so that both are aligned. */
 enum { IMAGE_ROOM = 2048, MEMORY_ROOM = 4096 };
@@ -47,24 +51,39 @@ void directories(void) {
   (void)check_directory(image, capacity, &error);
 }
 
-static void load(size_t image_bytes, size_t memory_bytes) {
+/* What says the shape: the header's capacities, the version, how long the section of meshes is. */
+static void store_shape(uint8_t *image, const uint32_t shape[POOLS]) {
+  uint32_t sections = 0;
+  for (uint32_t p = 0; p < POOLS_IN_HEADER; ++p)
+    bytes_store32(image + 4u * (IMAGE_CAPACITY_WORD + p), shape[p]);
+  bytes_store32(image + 4u * IMAGE_VERSION_WORD, version_of(shape));
+  if (shape[POOL_MESH_WORDS] == 0) return;
+  for (uint32_t n = 0; n < image_array_count; ++n) sections += is_saved(&image_arrays[n], shape) != 0;
+  bytes_store32(image + 4u * IMAGE_SECTIONS_WORD, sections);
+  bytes_store32(image + 4u * (IMAGE_HEADER_WORDS + IMAGE_DIRECTORY_WORDS * (sections - 1u)) + 8u,
+                shape[POOL_MESH_WORDS]);
+}
+
+static void load(const uint32_t shape[POOLS], size_t image_bytes, size_t memory_bytes) {
   fray_world *world;
   fray_error error;
   uint8_t *image = IMAGE_AT(image_bytes);
   any_bytes(image_room, sizeof image_room);
   any_bytes(memory_room, sizeof memory_room);
-  for (uint32_t p = 0; p < POOLS; ++p)
-    bytes_store32(image + 4u * (IMAGE_CAPACITY_WORD + p), shape[p]);
+  store_shape(image, shape);
   if (fray_open(image, image_bytes, MEMORY_AT(memory_bytes), memory_bytes, &world, &error) !=
       FRAY_OK)
     return;
   (void)fray_save(world, image, fray_save_bytes(world));
 }
 
-void loads(void) {
+static void loads_of(const uint32_t shape[POOLS]) {
   const size_t length = image_length(shape);
-  load(length, plan_bytes(shape, 0));
-  load(length, plan_bytes(shape, 1));
-  load(length - 1u, plan_bytes(shape, 0));
-  load(length, plan_bytes(shape, 1) - 1u);
+  load(shape, length, plan_bytes(shape, 0));
+  load(shape, length, plan_bytes(shape, 1));
+  load(shape, length - 1u, plan_bytes(shape, 0));
+  load(shape, length, plan_bytes(shape, 1) - 1u);
 }
+
+void loads(void) { loads_of(plain); }
+void loads_meshes(void) { loads_of(meshes); }
