@@ -422,6 +422,15 @@ static int compile(const char *text) {
   return 0;
 }
 
+static void more_particles_than_the_pool_has(void) {
+  enum { IN_PARAMS = 1, IN_YARN_STATE = 29 };
+  uint8_t *bytes = copy_of(image, image_bytes);
+  bytes_store32(section(bytes, IN_YARN_STATE), 1000);
+  mend(bytes, image_bytes);
+  check_refused(bytes, image_bytes, FRAY_BAD_FIELD, IN_PARAMS);
+  free(bytes);
+}
+
 /* Once more what any image must stand. */
 static void stretched(void) {
   uint8_t *plain = image;
@@ -433,6 +442,7 @@ static void stretched(void) {
   every_mended_flip_is_harmless();
   at_odd_addresses();
   a_save_is_the_image();
+  more_particles_than_the_pool_has();
   check_word(IMAGE_VERSION_WORD, FRAY_IMAGE_MAJOR << 16 | 1u, FRAY_BAD_VERSION);
   check_word(IMAGE_VERSION_WORD, FRAY_IMAGE_MAJOR << 16, FRAY_BAD_VERSION);
   free(image);
