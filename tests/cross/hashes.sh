@@ -62,7 +62,7 @@ link_program() {
   # shellcheck disable=SC2086
   if [ "$IS_BARE" = yes ]; then
     sh tests/target/target.sh build "${1%%-*}" "$OPT" "$3" $LIMITS "tests/cross/$2.c" "$table" \
-      tests/target/port_bare.c "$library" -Wl,-Map="$3.map" -Wl,--defsym=code_max=128K # all of rt
+      tests/target/port_bare.c "$library" -Wl,-Map="$3.map" -Wl,--defsym=code_max=256K # all of rt
   else
     $CC -std=c11 -Wall -Wextra -Werror -I. $OPT $EXTRA $LIMITS "tests/cross/$2.c" "$table" \
       tests/cross/port_stdio.c "$library" -o "$3"
