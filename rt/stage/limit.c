@@ -7,11 +7,15 @@
 #include "rt/stage/stage.h"
 
 /* Both move along `unit`, in a ratio of their inverse masses. */
-static void part(int32_t *a, uint32_t i, uint32_t j, int32_t unit, int64_t way, int64_t share_q24) {
-  const int64_t whole = fx_round64(way * unit, 30);
+static void part(int32_t *a, uint32_t i, uint32_t j, int64_t along, int64_t share_q24) {
+  const int64_t whole = fx_round64(along, 30);
   const int64_t of_i = fx_round64(whole * share_q24, 24);
-  a[i] = fx_add(a[i], (int32_t)of_i);
-  a[j] = fx_sub(a[j], (int32_t)(whole - of_i));
+  a[i] = fx_saturate(a[i] + of_i);
+  a[j] = fx_saturate(a[j] - (whole - of_i));
+}
+
+static int32_t apart_in(const int32_t *v, uint32_t i, uint32_t j) {
+  return fx_saturate((int64_t)v[j] - v[i]);
 }
 
 static void shorten(fray_world *w, uint32_t i, uint32_t j) {
@@ -30,16 +34,16 @@ static void shorten(fray_world *w, uint32_t i, uint32_t j) {
   const int64_t share = (int64_t)((of_i << 24) / (of_i + of_j));
   const fx_root root = fx_rsqrt(now2, FX_ROOT_FINE);
   const vec3 unit = {fx_root_unit(root, d.x), fx_root_unit(root, d.y), fx_root_unit(root, d.z)};
-  const vec3 speed = {fx_sub(w->vx[j], w->vx[i]), fx_sub(w->vy[j], w->vy[i]),
-                      fx_sub(w->vz[j], w->vz[i])};
+  const vec3 speed = {apart_in(w->vx, i, j), apart_in(w->vy, i, j), apart_in(w->vz, i, j)};
   const int32_t apart = vec_dot_unit(speed, unit);
   const int32_t units[3] = {unit.x, unit.y, unit.z};
   int32_t *const places[3][2] = {{w->x, w->qx}, {w->y, w->qy}, {w->z, w->qz}};
   int32_t *const speeds[3] = {w->vx, w->vy, w->vz};
   for (uint32_t n = 0; n < 3; ++n) {
-    part(places[n][0], i, j, units[n], (int64_t)(now - most), share);
-    part(places[n][1], i, j, units[n], (int64_t)(now - most), share);
-    if (apart > 0) part(speeds[n], i, j, units[n], apart, share);
+    const int64_t way = (int64_t)(now - most) * units[n];
+    part(places[n][0], i, j, way, share);
+    part(places[n][1], i, j, way, share);
+    if (apart > 0) part(speeds[n], i, j, (int64_t)apart * units[n], share);
   }
 }
 

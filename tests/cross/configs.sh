@@ -47,10 +47,11 @@ config_bare() {
     *) MACHINE="cortex-$1 32 little" ;;
   esac
   IS_BARE=yes
-  # 16 KiB of RAM, 2 of them the stack: one image is saved, once, and its world runs from there
+  # 16 KiB of RAM, 2 of them the stack, too few for triangle sheets: one image is saved, once, and its world runs from there
   if [ "$1" = microbit ]; then
     CASES=tiny RESTORED=once
-    LIMITS="-DCROSS_MEMORY=5632 -DCROSS_SAVED=7424 -DCROSS_SAVED_IMAGES=1"
+    LIMITS="-DFRAY_TRIANGLES=0 -DCROSS_MEMORY=5632 -DCROSS_SAVED=7424 -DCROSS_SAVED_IMAGES=1"
+    EXTRA="$EXTRA -DFRAY_TRIANGLES=0"
   fi
 }
 
