@@ -4,6 +4,7 @@
 #include "tests/lib/test.h"
 
 #include "tests/lib/crack.h"
+#include "tools/kernel.h"
 
 enum { SMOOTH = 16 /* ticks */ };
 
@@ -115,6 +116,42 @@ static void whole_over_meshes(void) {
   CHECK(most / least - 1 <= 0.05);
 }
 
+/* A notched strip of paper, scaled to what so many inner steps bear, drawn by `drawn_cm` in 0.6 s. */
+static void open_paper(fixture *f, uint32_t inner_steps, double drawn_cm) {
+  char steps[64], path[64];
+  snprintf(steps, sizeof steps, "mesh regular\n  inner_steps %u", inner_steps);
+  snprintf(path, sizeof path, "0.6 s 0 %.5f 0 cm }", -10 - drawn_cm);
+  fixture_file(f, "tests/scenes/strength/cloth_notched.scene", "mesh regular", steps, "like denim", "like paper",
+               "tear 30 50 60 50", "tear 200", "strain_limit 30 %", "strain_limit 10 %", "1 s 0 -11.5 0 cm }", path,
+               "columns 5", "columns 10", "row 10 0 2", "row 10 0 3", NULL);
+  CHECK(kernel_use(f->w, NULL));
+}
+
+/* As softer paper is drawn farther, all tear at about 0.4 s. */
+static double scaled_force(uint32_t inner_steps, double *share) {
+  fixture f;
+  open_paper(&f, inner_steps, 0.1);
+  *share = 200 / (1e6 * f.facts.stiffness_q30 * 0x1p-30);
+  fixture_close(&f);
+  open_paper(&f, inner_steps, 8 * *share);
+  const first_tear t = draw(&f);
+  printf("figure scaled_paper %.4f N, strength over scaled stiffness %.2f %%, tick %u, %u inner steps\n", t.force,
+         100 * *share, t.tick, t.inner);
+  return t.force;
+}
+
+static void scaled_paper_tears_at_its_force(void) {
+  static const uint32_t inner_steps[] = {200, 96, 64, 60, 36};
+  double share, stiffest = 0, worst = 0;
+  for (uint32_t n = 0; n < sizeof inner_steps / sizeof inner_steps[0]; ++n) {
+    const double force = scaled_force(inner_steps[n], &share);
+    if (n == 0) stiffest = force;
+    else if (share <= 0.03) worst = fmax(worst, fabs(force / stiffest - 1));
+  }
+  figure("scaled_paper_over_exact", 100 * worst, "%", "2, while strength over scaled stiffness is at most 3 %");
+  CHECK(worst > 0 && worst <= 0.02);
+}
+
 typedef struct {
   double peak, mean; /* N: the mean of the ticks with a tear behind them */
   uint32_t tears;
@@ -176,6 +213,7 @@ int main(void) {
   TEST(strips_by_direction);
   TEST(notched_over_substeps);
   TEST(whole_over_meshes);
+  TEST(scaled_paper_tears_at_its_force);
   TEST(trouser_and_tongue);
   return test_end();
 }
