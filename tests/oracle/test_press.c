@@ -12,6 +12,7 @@
 
 #include "rt/run/step.h"
 #include "rt/stage/solids.h"
+#include "tests/lib/depth.h"
 #include "tests/lib/world_fixture.h"
 
 static void watch_begin(fray_world *w);
@@ -125,50 +126,9 @@ static void watch_end(const fray_world *w) {
   for (uint32_t p = 0; p < w->particles; ++p) ended[p] = world_position(w, p);
 }
 
-typedef struct {
-  double x, y, z;
-} point;
-static point seen(const fray_world *w, uint32_t p, const int32_t at[3]) {
-  const point v = {(w->x[p] - (double)at[0]) * 0x1p-24, (w->y[p] - (double)at[1]) * 0x1p-24,
-                   (w->z[p] - (double)at[2]) * 0x1p-24};
-  return v;
-}
-static double dot(point a, point b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-static point minus(point a, point b) {
-  const point d = {a.x - b.x, a.y - b.y, a.z - b.z};
-  return d;
-}
-/* Of the origin from a side. */
-static double from_side(point a, point b) {
-  const point e = minus(b, a);
-  const double t = fmin(1, fmax(0, -dot(a, e) / fmax(dot(e, e), 1e-30)));
-  const point n = {a.x + t * e.x, a.y + t * e.y, a.z + t * e.z};
-  return sqrt(dot(n, n));
-}
-static double from_triangle(point a, point b, point c) {
-  const point e = minus(b, a);
-  const point f = minus(c, a);
-  const point n = {e.y * f.z - e.z * f.y, e.z * f.x - e.x * f.z, e.x * f.y - e.y * f.x};
-  const double ee = dot(e, e);
-  const double ff = dot(f, f);
-  const double ef = dot(e, f);
-  const double whole = ee * ff - ef * ef;
-  const double u = (ef * dot(f, a) - ff * dot(e, a)) / fmax(whole, 1e-30);
-  const double v = (ef * dot(e, a) - ee * dot(f, a)) / fmax(whole, 1e-30);
-  if (whole > 1e-20 && u >= 0 && v >= 0 && u + v <= 1) return fabs(dot(n, a)) / sqrt(dot(n, n));
-  return fmin(from_side(a, b), fmin(from_side(b, c), from_side(c, a)));
-}
-
 static void look_into_balls(const fray_world *w) {
-  for (uint32_t n = mesh_count(w); n < mesh_solids(w); ++n) {
-    const solid t = solid_at(w, n);
-    for (uint32_t f = 0; f < (uint32_t)w->sheet.state->triangles; ++f) {
-      const row_id *v = w->sheet.triangle[f].v;
-      const int32_t *at = w->body_states[t.body].position;
-      deepest = fmax(deepest, t.radius * 0x1p-24 - from_triangle(seen(w, v[0], at), seen(w, v[1], at),
-                                                                seen(w, v[2], at)));
-    }
-  }
+  for (uint32_t n = mesh_count(w); n < mesh_solids(w); ++n)
+    deepest = fmax(deepest, depth_in_ball(w, solid_at(w, n).body));
 }
 
 /* Returns faults. */
