@@ -159,7 +159,11 @@ can-test: $(FRAY) $(HELPERS) ## the bare-metal CAN port in sessions on an emulat
 figures: $(FRAY) ## pictures of the scenes in tests/figures/list.txt; FIGURES="figure8" picks, SIZE=800x450
 	@FRAY=$(FRAY) BUILD=$(BUILD) SIZE="$(SIZE)" sh tests/figures/figures.sh $(FIGURES)
 
-.PHONY: weaves pools patches
+.PHONY: weaves pools patches thesis
+THESIS := $(addprefix $(BUILD)/tests/oracle/,test_ceiling test_garments)
+thesis: $(THESIS) ## scenes of Karaoz 2015 at full length (minutes)
+	@for program in $(THESIS); do ./$$program all || exit 1; done
+
 patches: $(BUILD)/tests/oracle/test_patch ## every patch of triangle sheets under load (minutes)
 	@$< all
 
