@@ -256,17 +256,51 @@ static uint32_t look(fray_world *w, const solid *t, uint32_t *left) {
   return stands;
 }
 
+/* A free body goes back to where it stood, and what it had of momentum to who holds what it met. */
+static void stop_body(fray_world *w, const solid *t, uint32_t holder) {
+  body_state *s = &w->body_states[t->body];
+  body_motion *m = &w->motion[t->body];
+  const int64_t most = (int64_t)1 << 48;
+  int64_t had[3];
+  for (uint32_t n = 0; n < 3; ++n) {
+    const int32_t yield = fx_max(1, w->bodies[t->body].yield);
+    had[n] = fx_clamp64(((int64_t)s->velocity[n] * (1 << 30)) / yield, -most, most);
+    s->velocity[n] = 0;
+  }
+  s->position[0] = t->before.x;
+  s->position[1] = t->before.y;
+  s->position[2] = t->before.z;
+  m->moved = vec_make(0, 0, 0);
+  m->settled[0] = m->impulse[0] = fx_add64(m->impulse[0], had[0]);
+  m->settled[1] = m->impulse[1] = fx_add64(m->impulse[1], had[1]);
+  m->settled[2] = m->impulse[2] = fx_add64(m->impulse[2], had[2]);
+  body_gave(&w->motion[holder], -had[0], -had[1], -had[2]);
+}
+
+static void keep_apart(fray_world *w, uint32_t n, uint32_t *left, uint32_t triangles_left[2]) {
+  const uint32_t contacts = w->contact_count;
+  solid t = solid_at(w, n);
+  repel_all(w, &t, left);
+  if (!mesh_is_whole(w)) return;
+  uint32_t holder = press_run(w, &t, triangles_left);
+  if (holder != PRESS_FREE && w->bodies[t.body].motion == FRAY_FREE) {
+    uint32_t again[3] = {w->capacity[POOL_CONTACTS], w->capacity[POOL_CONTACTS], w->capacity[POOL_CONTACTS]};
+    stop_body(w, &t, holder);
+    w->contact_count = contacts;
+    t = solid_at(w, n);
+    repel_all(w, &t, &again[0]);
+    holder = press_run(w, &t, &again[1]);
+  }
+  if (holder != PRESS_FREE) w->state->faults |= (int32_t)FRAY_FAULT_JAMMED;
+}
+
 void meshes_run(fray_world *w) {
   if (!world_has_meshes(w)) return;
   const uint32_t count = mesh_solids(w);
   const int whole = mesh_is_whole(w);
   uint32_t left = w->capacity[POOL_CONTACTS];
   uint32_t triangles_left[2] = {left, left};
-  for (uint32_t n = 0; n < count; ++n) {
-    const solid t = solid_at(w, n);
-    repel_all(w, &t, &left);
-    if (whole) press_run(w, &t, triangles_left);
-  }
+  for (uint32_t n = 0; n < count; ++n) keep_apart(w, n, &left, triangles_left);
   for (uint32_t round = 0; round < mesh_looks(w); ++round) {
     uint32_t stands = 0;
     left = triangles_left[0] = w->capacity[POOL_CONTACTS];

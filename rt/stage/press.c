@@ -14,8 +14,8 @@
  *               away still does.
  *
  * What there is no room or bound of work for keeps its place too, and is reported. Vertices that a body
- * holds cannot: where they draw a triangle through another one, that is reported. Triangles at a
- * vertex that the body itself holds pass it freely. */
+ * holds cannot: a free body that meets them is stopped (meshes.c); where they draw a triangle through
+ * something nevertheless, that is reported. Triangles at a vertex that the body itself holds pass it freely. */
 #include "rt/stage/solids.h"
 #include "rt/stage/stage.h"
 
@@ -238,12 +238,27 @@ static void press(fray_world *w, const solid *t, uint32_t triangle) {
   }
 }
 
+/* Told by a look at where its ways end, or begin, not by a sweep. */
+static int is_within(const flap *f, int ends, int32_t radius) {
+  const sweep_point middle = {{0, 0, 0}, {0, 0, 0}};
+  sweep_point still[3];
+  sweep_contact c;
+  for (uint32_t k = 0; k < 3; ++k) still[k].begin = still[k].end = ends ? f->way[k].end : f->way[k].begin;
+  return sweep_point_triangle(&middle, still, radius, &c);
+}
+
+/* Ends in a ball by more than half the thickness, and did not begin there. */
+static int sinks(const fray_world *w, const solid *t, const flap *f) {
+  const int32_t most = fx_max(0, t->radius - w->params->thickness / 2);
+  return is_within(f, 1, most) && !is_within(f, 0, most);
+}
+
 /* The ways of its corners, and its own. */
 static int triangle_crosses(fray_world *w, const solid *t, uint32_t triangle) {
   flap f;
   if (!begin_flap(w, t, triangle, 0, &f)) return 1;
   if (solid_stays(&f.way[0]) && solid_stays(&f.way[1]) && solid_stays(&f.way[2])) return 0;
-  return meet_all(w, t, &f);
+  return meet_all(w, t, &f) || (t->radius != 0 && sinks(w, t, &f));
 }
 
 /* Corners that were pushed may not have gone through a face. */
@@ -259,16 +274,24 @@ static void check_corners(fray_world *w, const solid *t, uint32_t triangle) {
   }
 }
 
-/* Returns how many triangles stand. */
-static uint32_t resolve(fray_world *w, const solid *t, uint32_t count) {
+static uint32_t holder_of(const fray_world *w, uint32_t triangle) {
+  const row_id *v = w->sheet.triangle[triangle].v;
+  for (uint32_t k = 0; k < 3; ++k)
+    if (v[k] < (uint32_t)w->params->held) return w->grip_body[v[k]];
+  return PRESS_FREE;
+}
+
+/* Returns how many triangles stand; who holds what does not let the body pass, else PRESS_FREE. */
+static uint32_t resolve(fray_world *w, const solid *t, uint32_t count, uint32_t *holder) {
   uint32_t stands = 0;
   uint32_t before = 1;
+  *holder = PRESS_FREE;
   for (uint32_t round = 0; round < MESH_CHECKS && before != stands; ++round) {
     before = stands;
     for (uint32_t n = 0; n < count; ++n) {
       if (!triangle_crosses(w, t, w->beside[n])) continue;
       if (!may_move(w, w->beside[n])) {
-        w->state->faults |= (int32_t)FRAY_FAULT_JAMMED;
+        *holder = holder_of(w, w->beside[n]);
         continue;
       }
       stand_triangle(w, t, w->beside[n]);
@@ -280,16 +303,21 @@ static uint32_t resolve(fray_world *w, const solid *t, uint32_t count) {
   return stands;
 }
 
-void press_run(fray_world *w, const solid *t, uint32_t left[2]) {
+uint32_t press_run(fray_world *w, const solid *t, uint32_t left[2]) {
+  uint32_t holder;
   uint32_t count = list_beside(w, t, &left[0]);
   for (uint32_t round = 0; round < MESH_PRESSES; ++round)
     for (uint32_t n = 0; n < count; ++n) press(w, t, w->beside[n]);
   if (t->radius == 0)
     for (uint32_t n = 0; n < count; ++n) check_corners(w, t, w->beside[n]);
   count = list_beside(w, t, &left[1]); /* with those beside what was pushed */
-  (void)resolve(w, t, count);
+  (void)resolve(w, t, count, &holder);
+  return holder;
 }
 
 uint32_t press_look(fray_world *w, const solid *t, uint32_t *left) {
-  return resolve(w, t, list_beside(w, t, left));
+  uint32_t holder;
+  const uint32_t stands = resolve(w, t, list_beside(w, t, left), &holder);
+  if (holder != PRESS_FREE) w->state->faults |= (int32_t)FRAY_FAULT_JAMMED;
+  return stands;
 }

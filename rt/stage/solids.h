@@ -94,8 +94,9 @@ int solid_add_contact(fray_world *w, const solid *t, uint32_t p, vec3 out);
 
 /* Triangles of a sheet against one body (rt/stage/press.c), where aside[] has what solid_sides() says of each
  * particle: pushes them out, then lets no way cross it. `left`: how many may be pushed, and held against it,
- * yet. */
-void press_run(fray_world *w, const solid *t, uint32_t left[2]);
+ * yet. Returns PRESS_FREE, or who holds vertices that would have to give way to the body. */
+enum { PRESS_FREE = 0xFFFF };
+uint32_t press_run(fray_world *w, const solid *t, uint32_t left[2]);
 /* The last part again, behind what another body did. Returns how many particles stand for it. */
 uint32_t press_look(fray_world *w, const solid *t, uint32_t *left);
 

@@ -5,6 +5,7 @@
 
 #include <math.h>
 
+#include "rt/model/mesh.h"
 #include "tests/lib/world_fixture.h"
 
 typedef struct {
@@ -63,6 +64,70 @@ FIXTURE double depth_in_ball(const fray_world *w, uint32_t b) {
     const row_id *of = w->sheet.triangle[t].v;
     const depth_point v[3] = {depth_seen(w, of[0], at), depth_seen(w, of[1], at), depth_seen(w, of[2], at)};
     if (!depth_apart(v, radius)) deepest = fmax(deepest, radius - depth_from_triangle(v[0], v[1], v[2]));
+  }
+  return deepest;
+}
+
+/* How deep a place is in a convex mesh, below 0 outside. */
+FIXTURE double depth_of_place(const mesh_parts *m, uint32_t faces, depth_point p) {
+  double least = 1e9;
+  for (uint32_t n = 0; n < faces; ++n) {
+    const vec3 a = mesh_corner(m, n, 0);
+    const int32_t *normal = m->faces[n].normal;
+    const depth_point out = {normal[0] * 0x1p-30, normal[1] * 0x1p-30, normal[2] * 0x1p-30};
+    const depth_point from = {p.x - a.x * 0x1p-24, p.y - a.y * 0x1p-24, p.z - a.z * 0x1p-24};
+    least = fmin(least, -depth_dot(out, from));
+  }
+  return least;
+}
+
+/* The most along a side: depth in a convex mesh has one summit. */
+FIXTURE double depth_along(const mesh_parts *m, uint32_t faces, depth_point a, depth_point b) {
+  double low = 0, high = 1;
+  while (high - low > 1e-4) {
+    const double one = low + (high - low) / 3, two = high - (high - low) / 3;
+    if (depth_of_place(m, faces, depth_between(a, b, one)) < depth_of_place(m, faces, depth_between(a, b, two)))
+      low = one;
+    else
+      high = two;
+  }
+  return depth_of_place(m, faces, depth_between(a, b, low));
+}
+
+FIXTURE int depth_outside(const mesh_parts *m, uint32_t faces, const depth_point v[3]) {
+  for (uint32_t n = 0; n < faces; ++n) {
+    const vec3 a = mesh_corner(m, n, 0);
+    const int32_t *normal = m->faces[n].normal;
+    uint32_t out = 0;
+    for (uint32_t k = 0; k < 3; ++k)
+      out += (v[k].x - a.x * 0x1p-24) * normal[0] + (v[k].y - a.y * 0x1p-24) * normal[1] +
+                 (v[k].z - a.z * 0x1p-24) * normal[2] >= 0;
+    if (out == 3) return 1;
+  }
+  return 0;
+}
+
+/* Of the triangles in a convex mesh, the summit over each; below 0 where none is in it. */
+FIXTURE double depth_in_mesh(const fray_world *w, const mesh_parts *m, uint32_t b) {
+  const uint32_t faces = (uint32_t)m->of->faces;
+  const int32_t *at = w->body_states[b].position;
+  const int32_t *reach = w->bodies[b].reach;
+  const double far = fmax(reach[0], fmax(reach[1], reach[2])) * 0x1p-24;
+  double deepest = -1e9;
+  for (uint32_t t = 0; t < (uint32_t)w->sheet.state->triangles; ++t) {
+    const row_id *of = w->sheet.triangle[t].v;
+    const depth_point v[3] = {depth_seen(w, of[0], at), depth_seen(w, of[1], at), depth_seen(w, of[2], at)};
+    if (depth_apart(v, far) || depth_outside(m, faces, v)) continue;
+    double low = 0, high = 1;
+    while (high - low > 1e-3) {
+      const double one = low + (high - low) / 3, two = high - (high - low) / 3;
+      if (depth_along(m, faces, depth_between(v[0], v[1], one), depth_between(v[0], v[2], one)) <
+          depth_along(m, faces, depth_between(v[0], v[1], two), depth_between(v[0], v[2], two)))
+        low = one;
+      else
+        high = two;
+    }
+    deepest = fmax(deepest, depth_along(m, faces, depth_between(v[0], v[1], low), depth_between(v[0], v[2], low)));
   }
   return deepest;
 }
