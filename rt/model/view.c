@@ -21,23 +21,23 @@ static uint32_t most_of(uint64_t a, uint64_t b) {
   return a != 0 && b > UINT32_MAX / a ? UINT32_MAX : (uint32_t)(a * b);
 }
 
-/* One particle or triangle for each contact, in each substep; all once more for a free body that is stopped. */
+/* One particle or triangle for each contact, in each substep; all once more where free bodies may be stopped. */
 static void mesh_limits(const fray_world *w, fray_work *most) {
   const uint64_t looks = mesh_looks(w);
   const uint64_t whole = mesh_is_whole(w) != 0;
+  const uint64_t checks = MESH_CHECKS * (1u + looks);
   uint64_t runs = 1;
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
-    runs += whole != 0 && w->bodies[b].motion == FRAY_FREE;
-  const uint64_t checks = MESH_CHECKS * (runs + looks);
-  const uint64_t substeps = (uint32_t)w->params->substeps;
+    if (whole != 0 && w->bodies[b].motion == FRAY_FREE) runs = 2;
+  const uint64_t substeps = (uint32_t)w->params->substeps * runs;
   const uint64_t ways = substeps * w->capacity[POOL_CONTACTS];
-  const uint64_t passes = substeps * mesh_solids(w) * (runs + looks);
+  const uint64_t passes = substeps * mesh_solids(w) * (1u + looks);
   most->mesh_tests = most_of(w->capacity[POOL_PARTICLES], passes);
-  most->mesh_boxes = most_of(ways, MESH_VISITS * (2u * runs + looks + whole * ((MESH_PRESSES + 3u) * runs + checks)));
+  most->mesh_boxes = most_of(ways, MESH_VISITS * (2u + looks + whole * (MESH_PRESSES + 3u + checks)));
   most->mesh_sweeps =
-      most_of(ways, MESH_NEAR * ((MESH_ROUNDS + 1u + 3u * whole) * runs + looks) +
-                        whole * MESH_CLOSE_SWEEPS * (MESH_PRESSES * runs + checks));
-  most->mesh_stops = most_of(w->capacity[POOL_PARTICLES], passes * (1u + whole));
+      most_of(ways, MESH_NEAR * (MESH_ROUNDS + 1u + looks + 3u * whole) +
+                        whole * MESH_CLOSE_SWEEPS * (MESH_PRESSES + checks));
+  most->mesh_stops = most_of(w->capacity[POOL_PARTICLES], passes * (1u + whole) + (runs - 1u) * mesh_solids(w) * substeps);
 }
 
 fray_work fray_limits(const fray_world *w) {

@@ -12,7 +12,8 @@
  * A push keeps a way from crossing that triangle: the plane through the nearest point, across the push,
  * has all of the triangle on one side and both ends of the way on the other. A way that needs no push
  * crosses nothing. So what begins beside a triangle never ends behind it. Where several meshes move,
- * each may put a particle behind another: that is looked at twice more, then reported. */
+ * each may put a particle behind another: that is looked at twice more; then free bodies that take part are
+ * stopped and all is done again, then reported. */
 #include "rt/stage/solids.h"
 #include "rt/stage/stage.h"
 
@@ -256,60 +257,109 @@ static uint32_t look(fray_world *w, const solid *t, uint32_t *left) {
   return stands;
 }
 
-/* A free body goes back to where it stood, and what it had of momentum to who holds what it met. */
-static void stop_body(fray_world *w, const solid *t, uint32_t holder) {
+/* Bodies for which something stands in a look, or that met what another one holds: a bit each. */
+typedef struct {
+  uint32_t bodies;
+  uint32_t holder; /* of vertices that would have to give way, or PRESS_FREE */
+} jam;
+
+/* A free body goes back to where it stood, and what it has left of momentum to `other`. */
+static void stop_body(fray_world *w, const solid *t, uint32_t other) {
   body_state *s = &w->body_states[t->body];
   body_motion *m = &w->motion[t->body];
   const int64_t most = (int64_t)1 << 48;
-  int64_t had[3];
+  const int32_t yield = fx_max(1, w->bodies[t->body].yield);
   for (uint32_t n = 0; n < 3; ++n) {
-    const int32_t yield = fx_max(1, w->bodies[t->body].yield);
-    had[n] = fx_clamp64(((int64_t)s->velocity[n] * (1 << 30)) / yield, -most, most);
+    const int64_t had = fx_clamp64(((int64_t)s->velocity[n] * (1 << 30)) / yield, -most, most);
+    const int64_t left = fx_add64(had, -fx_add64(m->impulse[n], -m->settled[n]));
+    m->settled[n] = m->impulse[n] = fx_add64(m->impulse[n], left);
+    if (other != PRESS_FREE) w->motion[other].impulse[n] = fx_add64(w->motion[other].impulse[n], -left);
     s->velocity[n] = 0;
   }
   s->position[0] = t->before.x;
   s->position[1] = t->before.y;
   s->position[2] = t->before.z;
   m->moved = vec_make(0, 0, 0);
-  m->settled[0] = m->impulse[0] = fx_add64(m->impulse[0], had[0]);
-  m->settled[1] = m->impulse[1] = fx_add64(m->impulse[1], had[1]);
-  m->settled[2] = m->impulse[2] = fx_add64(m->impulse[2], had[2]);
-  body_gave(&w->motion[holder], -had[0], -had[1], -had[2]);
 }
 
-static void keep_apart(fray_world *w, uint32_t n, uint32_t *left, uint32_t triangles_left[2]) {
-  const uint32_t contacts = w->contact_count;
-  solid t = solid_at(w, n);
-  repel_all(w, &t, left);
-  if (!mesh_is_whole(w)) return;
-  uint32_t holder = press_run(w, &t, triangles_left);
-  if (holder != PRESS_FREE && w->bodies[t.body].motion == FRAY_FREE) {
-    uint32_t again[3] = {w->capacity[POOL_CONTACTS], w->capacity[POOL_CONTACTS], w->capacity[POOL_CONTACTS]};
-    stop_body(w, &t, holder);
-    w->contact_count = contacts;
-    t = solid_at(w, n);
-    repel_all(w, &t, &again[0]);
-    holder = press_run(w, &t, &again[1]);
+__attribute__((noinline)) static void push_off(fray_world *w, uint32_t n, uint32_t left[3], jam *found) {
+  const solid t = solid_at(w, n);
+  repel_all(w, &t, &left[0]);
+  const uint32_t holder = mesh_is_whole(w) ? press_run(w, &t, &left[1]) : (uint32_t)PRESS_FREE;
+  if (holder == PRESS_FREE) return;
+  found->bodies |= 1u << n;
+  found->holder = holder;
+}
+
+__attribute__((noinline)) static uint32_t look_again(fray_world *w, uint32_t n, uint32_t left[2], jam *found) {
+  const solid t = solid_at(w, n);
+  uint32_t holder = PRESS_FREE;
+  uint32_t stands = look(w, &t, &left[0]);
+  if (mesh_is_whole(w)) stands += press_look(w, &t, &left[1], &holder);
+  if (holder != PRESS_FREE) found->holder = holder;
+  if (stands != 0 || holder != PRESS_FREE) found->bodies |= 1u << n;
+  return stands;
+}
+
+/* Whether it ended: nothing had to give way that cannot. */
+static int keep_apart(fray_world *w, jam *found) {
+  const uint32_t most = w->capacity[POOL_CONTACTS];
+  const uint32_t count = mesh_solids(w);
+  uint32_t stands = 0;
+  uint32_t left[3] = {most, most, most};
+  found->bodies = 0;
+  found->holder = PRESS_FREE;
+  for (uint32_t n = 0; n < count; ++n) push_off(w, n, left, found);
+  for (uint32_t round = 0; round < mesh_looks(w); ++round) {
+    stands = 0;
+    left[0] = left[1] = most;
+    for (uint32_t n = 0; n < count; ++n) stands += look_again(w, n, left, found);
+    if (stands == 0) break;
   }
-  if (holder != PRESS_FREE) w->state->faults |= (int32_t)FRAY_FAULT_JAMMED;
+  return stands == 0 && found->holder == PRESS_FREE;
+}
+
+/* Who takes the momentum: who holds what does not give way, else a body that is not free. */
+static uint32_t other_of(const fray_world *w, const jam *found) {
+  if (found->holder != PRESS_FREE) return found->holder;
+  for (uint32_t n = 0; n < mesh_solids(w); ++n) {
+    const solid t = solid_at(w, n);
+    if ((found->bodies >> n & 1u) != 0 && w->bodies[t.body].motion != FRAY_FREE) return t.body;
+  }
+  return PRESS_FREE;
+}
+
+/* Returns whether one was stopped. */
+__attribute__((noinline)) static int stop_bodies(fray_world *w, const jam *found) {
+  int stopped = 0;
+  for (uint32_t n = 0; n < mesh_solids(w); ++n) {
+    const solid t = solid_at(w, n);
+    if ((found->bodies >> n & 1u) == 0 || w->bodies[t.body].motion != FRAY_FREE) continue;
+    stop_body(w, &t, other_of(w, found));
+    stopped = 1;
+  }
+  return stopped;
+}
+
+/* What lies between bodies that do not move keeps its place. Returns whether they all stand still. */
+__attribute__((noinline)) static int stand_between(fray_world *w, const jam *found) {
+  int still = 1;
+  for (uint32_t n = 0; n < mesh_solids(w); ++n) {
+    const solid t = solid_at(w, n);
+    if ((found->bodies >> n & 1u) == 0) continue;
+    press_stand(w, &t);
+    still = still && t.before.x == t.now.x && t.before.y == t.now.y && t.before.z == t.now.z;
+  }
+  return still;
 }
 
 void meshes_run(fray_world *w) {
-  if (!world_has_meshes(w)) return;
-  const uint32_t count = mesh_solids(w);
-  const int whole = mesh_is_whole(w);
-  uint32_t left = w->capacity[POOL_CONTACTS];
-  uint32_t triangles_left[2] = {left, left};
-  for (uint32_t n = 0; n < count; ++n) keep_apart(w, n, &left, triangles_left);
-  for (uint32_t round = 0; round < mesh_looks(w); ++round) {
-    uint32_t stands = 0;
-    left = triangles_left[0] = w->capacity[POOL_CONTACTS];
-    for (uint32_t n = 0; n < count; ++n) {
-      const solid t = solid_at(w, n);
-      stands += look(w, &t, &left);
-      if (whole) stands += press_look(w, &t, triangles_left);
-    }
-    if (stands == 0) return;
-    if (round + 1u == MESH_LOOKS) w->state->faults |= (int32_t)FRAY_FAULT_JAMMED;
+  const uint32_t contacts = w->contact_count;
+  jam found;
+  if (!world_has_meshes(w) || keep_apart(w, &found)) return;
+  if (mesh_is_whole(w) && stop_bodies(w, &found)) {
+    w->contact_count = contacts;
+    if (keep_apart(w, &found) || (found.holder == PRESS_FREE && stand_between(w, &found))) return;
   }
+  w->state->faults |= (int32_t)FRAY_FAULT_JAMMED;
 }

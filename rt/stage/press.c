@@ -315,9 +315,20 @@ uint32_t press_run(fray_world *w, const solid *t, uint32_t left[2]) {
   return holder;
 }
 
-uint32_t press_look(fray_world *w, const solid *t, uint32_t *left) {
-  uint32_t holder;
-  const uint32_t stands = resolve(w, t, list_beside(w, t, left), &holder);
-  if (holder != PRESS_FREE) w->state->faults |= (int32_t)FRAY_FAULT_JAMMED;
-  return stands;
+uint32_t press_look(fray_world *w, const solid *t, uint32_t *left, uint32_t *holder) {
+  return resolve(w, t, list_beside(w, t, left), holder);
+}
+
+void press_stand(fray_world *w, const solid *t) {
+  const uint32_t triangles = (uint32_t)w->sheet.state->triangles;
+  const int32_t skin = solid_skin(w);
+  for (uint32_t p = 0; p < w->particles; ++p) {
+    const sweep_point way = solid_way(w, t, p);
+    w->aside[p] = solid_sides(t, &way, skin);
+  }
+  for (uint32_t n = 0; n < triangles; ++n) {
+    const row_id *v = w->sheet.triangle[n].v;
+    if ((w->aside[v[0]] & w->aside[v[1]] & w->aside[v[2]] & SOLID_SIDES) != 0 || is_gripped(w, v, t->body)) continue;
+    stand_triangle(w, t, n);
+  }
 }

@@ -97,7 +97,9 @@ int solid_add_contact(fray_world *w, const solid *t, uint32_t p, vec3 out);
  * yet. Returns PRESS_FREE, or who holds vertices that would have to give way to the body. */
 enum { PRESS_FREE = 0xFFFF };
 uint32_t press_run(fray_world *w, const solid *t, uint32_t left[2]);
-/* The last part again, behind what another body did. Returns how many particles stand for it. */
-uint32_t press_look(fray_world *w, const solid *t, uint32_t *left);
+/* The last part again, behind what another body did. Returns how many stand for it; *holder as above. */
+uint32_t press_look(fray_world *w, const solid *t, uint32_t *left, uint32_t *holder);
+/* All that is near keeps its place beside the body. */
+void press_stand(fray_world *w, const solid *t);
 
 #endif
