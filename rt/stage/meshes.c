@@ -272,7 +272,8 @@ static void stop_body(fray_world *w, const solid *t, uint32_t other) {
   for (uint32_t n = 0; n < 3; ++n) {
     const int64_t had = fx_clamp64(((int64_t)s->velocity[n] * (1 << 30)) / yield, -most, most);
     const int64_t left = fx_add64(had, -fx_add64(m->impulse[n], -m->settled[n]));
-    m->settled[n] = m->impulse[n] = fx_add64(m->impulse[n], left);
+    m->impulse[n] = fx_add64(m->impulse[n], left);
+    m->settled[n] = m->impulse[n];
     if (other != PRESS_FREE) w->motion[other].impulse[n] = fx_add64(w->motion[other].impulse[n], -left);
     s->velocity[n] = 0;
   }

@@ -243,7 +243,10 @@ static int is_within(const flap *f, int ends, int32_t radius) {
   const sweep_point middle = {{0, 0, 0}, {0, 0, 0}};
   sweep_point still[3];
   sweep_contact c;
-  for (uint32_t k = 0; k < 3; ++k) still[k].begin = still[k].end = ends ? f->way[k].end : f->way[k].begin;
+  for (uint32_t k = 0; k < 3; ++k) {
+    still[k].begin = ends != 0 ? f->way[k].end : f->way[k].begin;
+    still[k].end = still[k].begin;
+  }
   return sweep_point_triangle(&middle, still, radius, &c);
 }
 
