@@ -20,7 +20,7 @@ firmwares() {
 
 # The timer that counts beside the tick, where there is one; and no sleep, see systick.c.
 extra_of() { # MACHINE
-  echo "-DFRAY_TRIANGLES=0" # none of these firmwares has a triangle sheet
+  printf '%s ' -DFRAY_TRIANGLES=0 # none of these firmwares has a triangle sheet
   case $1 in
     m0) echo "-DSYSTICK_SPIN -DTARGET_NRF51_TIMER=0x40008000" ;;
     m3 | m4f | m7f) echo "-DSYSTICK_SPIN -DTARGET_CMSDK_TIMER=0x40000000" ;;
