@@ -39,8 +39,8 @@ common() {
 link() { # OUT FILE...: with everything that does not depend on the bus
   out=$1
   shift
-  # shellcheck disable=SC2046,SC2086
   # the session has no triangle sheet
+  # shellcheck disable=SC2046,SC2086
   aarch64-linux-gnu-gcc $target_flags -DFRAY_TRIANGLES=0 -nostdlib -static -no-pie -Wl,--gc-sections -Wl,--build-id=none \
     -Wl,-Map="$out.map" -T linker/zcu102.ld rt/*/*.c platform/loop.c platform/bare/memory.c platform/zcu102/start.S \
     $(common) "$work/cases.c" "$@" -lgcc -o "$out"
