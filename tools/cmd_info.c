@@ -55,6 +55,9 @@ static void print_sheet(const fray_world *w, const fray_facts *f) {
     printf("yarns      %s; split at %.2f to %.2f %% strain, at most %u a tick; apart at %.4f cm\n",
            f->all_yarn != 0 ? "everywhere" : "where it tears", f->transition_min_q16 / 655.36,
            f->transition_max_q16 / 655.36, f->splits_max, centimetres(f, f->loose_max));
+  if (f->pairs_max != 0)
+    printf("selves     yarns keep %.4f cm apart, at most %u pairs near each other a tick\n",
+           centimetres(f, f->self_thickness), f->pairs_max);
   yarn_level_print(w, stdout);
 }
 
@@ -103,11 +106,12 @@ static void print_work(const fray_world *w) {
          "                     %u gathers, %u tear tests, %u over, %u cuts\n"
          "                     %u transitions, %u splits, %u slips, %u stretches,\n"
          "                     %u pulls, %u folds, %u lines\n"
-         "                     %u mesh tests, %u mesh boxes, %u mesh sweeps\n",
+         "                     %u mesh tests, %u mesh boxes, %u mesh sweeps\n"
+         "                     %u self visits, %u self pairs, %u self sweeps\n",
          most.predictions, most.projections, most.springs, most.contacts, most.gathers,
          most.tear_tests, most.over, most.cuts, most.transitions, most.splits, most.slips,
          most.stretches, most.pulls, most.folds, most.lines, most.mesh_tests,
-         most.mesh_boxes, most.mesh_sweeps);
+         most.mesh_boxes, most.mesh_sweeps, most.self_visits, most.self_pairs, most.self_sweeps);
 }
 
 int cmd_info(int argc, char **argv) {

@@ -214,12 +214,13 @@ static void print_summary(run_job *j, FILE *out, const piece *pieces, uint32_t c
     fprintf(out, "springs cut  %u of %u\n", j->last.cuts_total, f->rows[FRAY_STRUCTURAL]);
   print_pieces(j, out, pieces, count);
   print_yarns(j, out);
-  fprintf(out, "faults       0x%02X%s%s%s%s%s%s%s\n", j->faults,
+  fprintf(out, "faults       0x%02X%s%s%s%s%s%s%s%s\n", j->faults,
           (j->faults & FRAY_FAULT_CUTS_WAIT) != 0 ? ", cuts waited (cuts_per_tick)" : "",
           (j->faults & FRAY_FAULT_CONTACTS_FULL) != 0 ? ", contacts full (limits contacts)" : "",
           (j->faults & FRAY_FAULT_LEFT_WORLD) != 0 ? ", held back at the edge of the world" : "",
           (j->faults & FRAY_FAULT_SPARES_FULL) != 0 ? ", spares full (limits spare_particles)" : "",
           (j->faults & FRAY_FAULT_SPLITS_WAIT) != 0 ? ", splits waited (splits_per_tick)" : "",
+          (j->faults & FRAY_FAULT_SELVES) != 0 ? ", yarns moved as one (limits self_pairs)" : "",
           (j->faults & FRAY_FAULT_CROWDED) != 0 ? ", too much of a mesh near a particle" : "",
           (j->faults & FRAY_FAULT_JAMMED) != 0 ? ", particles jammed between meshes" : "");
   fprintf(out, "work bound   %u projections, %u predictions, %u contact tests a tick\n",

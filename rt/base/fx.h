@@ -119,10 +119,16 @@ FX_WRAPS static inline uint64_t fx_mul_wide_u(uint32_t a, uint32_t b) {
 }
 FX_WRAPS static inline int64_t fx_mul_wide(int32_t a, int32_t b) {
 #if FX_NO_LONG_MULTIPLY
-  const uint64_t product = fx_mul_wide_u((uint32_t)a, (uint32_t)b);
-  const uint32_t correction =
-      ((uint32_t)fx_asr(a, 31) & (uint32_t)b) + ((uint32_t)fx_asr(b, 31) & (uint32_t)a);
-  return (int64_t)(product - ((uint64_t)correction << 32));
+  /* upper halves have the sign; every sum is within 2^31 */
+  const int32_t a0 = a & 0xFFFF;
+  const int32_t a1 = fx_asr(a, 16);
+  const int32_t b0 = b & 0xFFFF;
+  const int32_t b1 = fx_asr(b, 16);
+  const uint32_t low = (uint32_t)a0 * (uint32_t)b0;
+  const int32_t middle = a1 * b0 + (int32_t)(low >> 16);
+  const int32_t cross = a0 * b1 + (middle & 0xFFFF);
+  const int32_t high = a1 * b1 + fx_asr(middle, 16) + fx_asr(cross, 16);
+  return (int64_t)((uint64_t)(uint32_t)high << 32 | ((uint32_t)cross << 16 | (low & 0xFFFFu)));
 #else
   return (int64_t)a * b;
 #endif
@@ -130,12 +136,12 @@ FX_WRAPS static inline int64_t fx_mul_wide(int32_t a, int32_t b) {
 static inline uint32_t fx_magnitude(int32_t v) {
   return v < 0 ? (uint32_t) - (int64_t)v : (uint32_t)v;
 }
-static inline uint64_t fx_square(int32_t v) {
+FX_WRAPS static inline uint64_t fx_square(int32_t v) {
 #if FX_NO_LONG_MULTIPLY
-  const uint32_t m = fx_magnitude(v);
-  const uint32_t low = m & 0xFFFFu;
-  const uint32_t high = m >> 16;
-  return ((uint64_t)(high * high) << 32 | low * low) + ((uint64_t)(low * high) << 17);
+  const uint32_t low = (uint32_t)v & 0xFFFFu;
+  const int32_t high = fx_asr(v, 16);
+  return ((uint64_t)(uint32_t)(high * high) << 32 | low * low) +
+         ((uint64_t)(int64_t)(high * (int32_t)low) << 17);
 #else
   return (uint64_t)fx_mul_wide(v, v);
 #endif
@@ -212,27 +218,24 @@ static inline int32_t fx_add_saturated(int32_t a, int32_t b) {
 }
 
 #if FX_NO_LONG_MULTIPLY
-/* One bit of a quotient takes the place of the bit of n that is used up. */
-FX_WRAPS static inline void fx_divide_bit(uint32_t *rest, uint32_t *low, uint32_t d) {
-  *rest = *rest << 1 | *low >> 31;
-  *low <<= 1;
-  if (*rest < d) return;
-  *rest -= d;
-  ++*low;
+/* One bit of a quotient takes the place of the bit of n that is used up: six instructions. */
+FX_WRAPS static inline uint64_t fx_divide_bit(uint64_t n, uint32_t d) {
+  const uint64_t twice = n + n;
+  if ((uint32_t)(twice >> 32) < d) return twice;
+  return twice + (1u - ((uint64_t)d << 32));
 }
 
 /* n / d for d in 1..2^31, saturated to 32 bits: bit by bit, for cores that cannot divide at all. */
 FX_WRAPS static inline uint32_t fx_divide_wide(uint64_t n, uint32_t d) {
-  uint32_t rest = (uint32_t)(n >> 32);
-  uint32_t low = (uint32_t)n;
-  if (rest >= d) return UINT32_MAX;
-  for (unsigned four = 0; four < 8; ++four) {
-    fx_divide_bit(&rest, &low, d);
-    fx_divide_bit(&rest, &low, d);
-    fx_divide_bit(&rest, &low, d);
-    fx_divide_bit(&rest, &low, d);
+  if ((uint32_t)(n >> 32) >= d) return UINT32_MAX;
+  uint64_t rest = n;
+  for (unsigned eight = 0; eight < 4; ++eight) {
+    rest = fx_divide_bit(fx_divide_bit(rest, d), d);
+    rest = fx_divide_bit(fx_divide_bit(rest, d), d);
+    rest = fx_divide_bit(fx_divide_bit(rest, d), d);
+    rest = fx_divide_bit(fx_divide_bit(rest, d), d);
   }
-  return low;
+  return (uint32_t)rest;
 }
 #elif UINTPTR_MAX > 0xFFFFFFFFu
 /* n / d for d in 1..2^31, saturated to 32 bits. */
@@ -246,12 +249,14 @@ FX_WRAPS static inline uint32_t fx_divide_wide(uint64_t n, uint32_t d) {
   if ((uint32_t)(n >> 32) >= d) return UINT32_MAX;
   const unsigned up = (unsigned)__builtin_clz(d);
   const uint32_t divisor = d << up;
-  const uint64_t whole = n << up;
   const uint32_t high = divisor >> 16;
-  uint32_t rest = (uint32_t)(whole >> 32);
+  uint32_t low = (uint32_t)n;
+  uint32_t rest = (uint32_t)(n >> 32) << up | low >> 1 >> (31u - up);
   uint32_t quotient = 0;
+  low <<= up;
   for (unsigned digit = 0; digit < 2; ++digit) {
-    const uint32_t next = (uint32_t)(whole >> (16u - 16u * digit)) & 0xFFFFu;
+    const uint32_t next = low >> 16;
+    low <<= 16;
     uint32_t q = rest / high;
     uint32_t left = rest - q * high;
     /* the lower half of the divisor takes its part */

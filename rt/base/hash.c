@@ -6,17 +6,24 @@
 void hash_words(hash *h, const int32_t *words, uint32_t count) {
   for (uint32_t k = 0; k < HASH_LANES; ++k) {
     uint32_t lane = h->lane[k];
-    for (uint32_t n = k; n < count; n += HASH_LANES) lane = hash_step(lane, (uint32_t)words[n]);
-    h->lane[k] = lane;
+    uint32_t n = k;
+    for (; n + HASH_LANES < count; n += 2 * HASH_LANES) {
+      lane = hash_step(lane, (uint32_t)words[n]);
+      lane = hash_step(lane, (uint32_t)words[n + HASH_LANES]);
+    }
+    h->lane[k] = n < count ? hash_step(lane, (uint32_t)words[n]) : lane;
   }
 }
 
 void hash_bytes(hash *h, const int8_t *bytes, uint32_t count) {
   for (uint32_t k = 0; k < HASH_LANES; ++k) {
     uint32_t lane = h->lane[k];
-    for (uint32_t n = k; n < count; n += HASH_LANES)
+    uint32_t n = k;
+    for (; n + HASH_LANES < count; n += 2 * HASH_LANES) {
       lane = hash_step(lane, (uint32_t)(int32_t)bytes[n]);
-    h->lane[k] = lane;
+      lane = hash_step(lane, (uint32_t)(int32_t)bytes[n + HASH_LANES]);
+    }
+    h->lane[k] = n < count ? hash_step(lane, (uint32_t)(int32_t)bytes[n]) : lane;
   }
 }
 #else

@@ -1,15 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "rt/model/fabric.h"
 
-/* atan(t) / 45 degrees = t (1 + (1 - t^2) q(t^2)) for t in 0..1: exact at both ends, 6e-6 off
- * between. */
-static const int32_t series[5] = {73341837, -40308673, 25412288, -13093830, 3423385};
+const int32_t fabric_eighth[5] = {73341837, -40308673, 25412288, -13093830, 3423385};
 
 static int32_t eighth(int32_t t) {
   const int32_t z = (int32_t)fx_round64(fx_mul_wide(t, t), STRAIN_BITS);
-  int32_t q = series[4];
+  int32_t q = fabric_eighth[4];
   for (uint32_t n = 4; n > 0; --n)
-    q = series[n - 1u] + (int32_t)fx_round64(fx_mul_wide(q, z), STRAIN_BITS);
+    q = fabric_eighth[n - 1u] + (int32_t)fx_round64(fx_mul_wide(q, z), STRAIN_BITS);
   const int32_t factor =
       STRAIN_ONE + (int32_t)fx_round64(fx_mul_wide(q, STRAIN_ONE - z), STRAIN_BITS);
   return (int32_t)fx_round64(fx_mul_wide(t, factor), STRAIN_BITS);

@@ -14,6 +14,7 @@
   {#field, id, ROLE_CONSTANT, KIND_WORD, pool, POOL_STRETCH, words, AT(field)}
 #define SHEET(id, role, kind, pool, words, field) \
   {#field, id, role, kind, pool, POOL_TRIANGLES, words, AT(field)}
+#define SELVES(kind, pool, bytes, field) {#field, 0, ROLE_TICK, kind, pool, POOL_PAIRS, bytes, AT(field)}
 #define MESH(id, role, kind, pool, words, field) \
   {"sheet." #field, id, role, kind, pool, POOL_TRIANGLES, words, AT(sheet) + offsetof(sheet_mesh, field)}
 #define WITH_MESHES(pool, type, field) \
@@ -71,6 +72,9 @@ const image_array image_arrays[] = {
     SHEET(46, ROLE_CONSTANT, KIND_WORD, POOL_PARAMS, CLOTH_PARAM_WORDS, cloths),
     SHEET(47, ROLE_STATE, KIND_WORD, POOL_TRIANGLES, HABIT_WORDS, habits),
     SHEET(48, ROLE_CONSTANT, KIND_WORD, POOL_PARAMS, LIMIT_CLOTHS * TOUGHNESS_WORDS, toughnesses),
+#if FRAY_SELVES
+    {"selves", IMAGE_SELVES, ROLE_CONSTANT, KIND_WORD, POOL_PARAMS, POOL_PAIRS, SELVES_PARAM_WORDS, AT(selves)},
+#endif
     MESH_TICK(POOL_PARTICLES, uint32_t, mass),
     MESH_TICK(POOL_TRIANGLES, sheet_weights, weights),
     SHEET_TICK(POOL_PARTICLES, int32_t, inverse),
@@ -85,6 +89,10 @@ const image_array image_arrays[] = {
     SHEET_TICK(POOL_PARTICLES, int32_t, low_z),
 #if FRAY_MESHES
     {"meshes", IMAGE_MESHES, ROLE_CONSTANT, KIND_WORD, POOL_MESH_WORDS, POOL_MESH_WORDS, 1, AT(meshes)},
+#if FRAY_TRIANGLES
+    {"blades", IMAGE_BLADES, ROLE_CONSTANT, KIND_WORD, POOL_BLADES, POOL_BLADES, BLADE_WORDS, AT(blades)},
+    {"parted", 0, ROLE_TICK, KIND_BYTE, POOL_PARTICLES, POOL_BLADES, 1, AT(parted)},
+#endif
 #endif
     TICK(POOL_PARTICLES, int32_t, qx),
     TICK(POOL_PARTICLES, int32_t, qy),
@@ -104,6 +112,16 @@ const image_array image_arrays[] = {
     {"aside", 0, ROLE_TICK, KIND_BYTE, POOL_PARTICLES, POOL_MESH_WORDS, 1, AT(aside)},
     WITH_MESHES(POOL_TRIANGLES, row_id, beside),
 #endif
+#if FRAY_SELVES
+    SELVES(KIND_STRUCT, POOL_PARTICLES, sizeof(self_way), ways),
+    SELVES(KIND_STRUCT, POOL_PARTICLES, sizeof(self_field), fields),
+    SELVES(KIND_STRUCT, POOL_CROSSINGS, SELVES_BOXES * sizeof(self_box), boxes),
+    SELVES(KIND_STRUCT, POOL_CROSSINGS, sizeof(uint32_t), rough),
+    SELVES(KIND_STRUCT, POOL_PAIRS, sizeof(self_pair), pairs),
+    SELVES(KIND_STRUCT, POOL_PARTICLES, sizeof(self_zone), zones),
+    SELVES(KIND_ID, POOL_PARTICLES, 1, zone_of),
+    SELVES(KIND_BYTE, POOL_PARTICLES, 1, stirred),
+#endif
 };
 const uint32_t image_array_count = sizeof image_arrays / sizeof image_arrays[0];
 
@@ -111,7 +129,7 @@ static const uint32_t capacity_max[POOLS] = {
     1,          1,             LIMIT_PARTICLES, LIMIT_PARTICLES, LIMIT_PARTICLES, LIMIT_ROWS,
     LIMIT_BATCHES, LIMIT_CLASSES, LIMIT_CLASSES, LIMIT_BODIES,   LIMIT_KEYS,      LIMIT_CONTACTS,
     LIMIT_CUTS, LIMIT_SPLITS,  LIMIT_CLASSES,   FRAY_TRIANGLES ? LIMIT_TRIANGLES : 0,
-    LIMIT_MESH_WORDS};
+    LIMIT_PAIRS, LIMIT_MESH_WORDS, 1};
 
 fray_status image_refuse(fray_error *error, fray_status status, uint32_t section, uint32_t index,
                          const char *what) {
@@ -147,7 +165,9 @@ static int is_saved(const image_array *a, const uint32_t capacity[POOLS]) {
 }
 /* The least version that has all that is in the image. */
 static uint32_t version_of(const uint32_t capacity[POOLS]) {
-  const uint32_t minor = capacity[POOL_MESH_WORDS] != 0  ? IMAGE_MINOR_MESHES
+  const uint32_t minor = capacity[POOL_BLADES] != 0      ? IMAGE_MINOR_BLADES
+                         : capacity[POOL_MESH_WORDS] != 0 ? IMAGE_MINOR_MESHES
+                         : capacity[POOL_PAIRS] != 0     ? IMAGE_MINOR_SELVES
                          : capacity[POOL_TRIANGLES] != 0 ? IMAGE_MINOR_TRIANGLES
                          : capacity[POOL_STRETCH] != 0 ? 2u
                          : capacity[POOL_SPLITS] != 0  ? 1u
@@ -203,23 +223,32 @@ size_t image_blank(const uint32_t capacity[POOLS], void *memory, fray_world **wo
   return bytes;
 }
 
-/* What the header has no word for: the elements of the last section, where that is the meshes'. */
-static fray_status read_mesh_words(const uint8_t *image, size_t bytes, uint32_t capacity[POOLS],
-                                   fray_error *error) {
-  capacity[POOL_MESH_WORDS] = 0;
-  if (!FRAY_MESHES || (bytes_load32(image + 4 * IMAGE_VERSION_WORD) & 0xFFFFu) != IMAGE_MINOR_MESHES)
+/* How many elements the directory says that a section has; 0 where there is no such section. */
+static uint32_t elements_said(const uint8_t *image, uint32_t sections, uint32_t id) {
+  for (uint32_t n = 0; n < sections; ++n) {
+    const uint8_t *entry = image + 4u * (IMAGE_HEADER_WORDS + IMAGE_DIRECTORY_WORDS * n);
+    if (bytes_load32(entry) == id) return bytes_load32(entry + 8);
+  }
+  return 0;
+}
+
+/* What the header has no word for: how long the meshes' section is, and whether there is one of blades. */
+static fray_status read_directory(const uint8_t *image, size_t bytes, uint32_t capacity[POOLS],
+                                  fray_error *error) {
+  capacity[POOL_MESH_WORDS] = capacity[POOL_BLADES] = 0;
+  if (!FRAY_MESHES || (bytes_load32(image + 4 * IMAGE_VERSION_WORD) & 0xFFFFu) < IMAGE_MINOR_MESHES)
     return FRAY_OK;
   const uint32_t sections = bytes_load32(image + 4 * IMAGE_SECTIONS_WORD);
-  if (sections < 1 || sections > IMAGE_MESHES)
+  if (sections < 1 || sections > IMAGE_BLADES)
     return image_refuse(error, FRAY_BAD_SECTION, 0, IMAGE_SECTIONS_WORD, "every section once");
-  const uint32_t at = 4u * (IMAGE_HEADER_WORDS + IMAGE_DIRECTORY_WORDS * (sections - 1u));
-  if (bytes < at + 4u * IMAGE_DIRECTORY_WORDS)
+  if (bytes < 4u * (IMAGE_HEADER_WORDS + IMAGE_DIRECTORY_WORDS * sections))
     return image_refuse(error, FRAY_TRUNCATED, 0, (uint32_t)bytes, "a header and its directory");
-  const uint32_t words = bytes_load32(image + at + 8u);
-  if (bytes_load32(image + at) != IMAGE_MESHES || words == 0 || words > capacity_max[POOL_MESH_WORDS])
-    return image_refuse(error, FRAY_BAD_SECTION, IMAGE_MESHES, sections - 1u,
-                        "the section of meshes, the last one");
+  const uint32_t words = elements_said(image, sections, IMAGE_MESHES);
+  if (words == 0 || words > capacity_max[POOL_MESH_WORDS])
+    return image_refuse(error, FRAY_BAD_SECTION, words == 0 ? 0u : (uint32_t)IMAGE_MESHES, sections - 1u,
+                        "the section of meshes");
   capacity[POOL_MESH_WORDS] = words;
+  capacity[POOL_BLADES] = FRAY_TRIANGLES && elements_said(image, sections, IMAGE_BLADES) != 0;
   return FRAY_OK;
 }
 
@@ -233,24 +262,28 @@ static fray_status read_header(const uint8_t *image, size_t bytes, uint32_t capa
   if (bytes_load32(image) != IMAGE_MAGIC)
     return image_refuse(error, FRAY_BAD_MAGIC, 0, 0, "the bytes FRAY");
   if (version >> 16 != FRAY_IMAGE_MAJOR || (version & 0xFFFFu) > FRAY_IMAGE_MINOR)
-    return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD, "image version 2.0 to 2.5");
+    return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD, "image version 2.0 to 2.6");
   if (!FRAY_TRIANGLES && (version & 0xFFFFu) == IMAGE_MINOR_TRIANGLES)
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD,
                         "a build with triangle sheets (FRAY_TRIANGLES)");
-  if (!FRAY_MESHES && (version & 0xFFFFu) == IMAGE_MINOR_MESHES)
+  if (!FRAY_MESHES && (version & 0xFFFFu) >= IMAGE_MINOR_MESHES)
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD,
                         "a build with rigid meshes (FRAY_MESHES)");
+  if (!FRAY_SELVES && bytes_load32(image + 4u * (IMAGE_CAPACITY_WORD + POOL_PAIRS)) != 0)
+    return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_CAPACITY_WORD + POOL_PAIRS,
+                        "a build with self-collision (FRAY_SELVES)");
   for (uint32_t p = 0; p < POOLS_IN_HEADER; ++p) {
     capacity[p] = bytes_load32(image + 4u * (IMAGE_CAPACITY_WORD + p));
     if (capacity[p] > capacity_max[p] || (p <= POOL_STATE && capacity[p] != 1u))
       return image_refuse(error, FRAY_BAD_FIELD, 0, IMAGE_CAPACITY_WORD + p,
                           "a capacity in its range");
   }
-  const fray_status status = read_mesh_words(image, bytes, capacity, error);
+  const fray_status status = read_directory(image, bytes, capacity, error);
   if (status != FRAY_OK) return status;
   if (version != version_of(capacity))
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD,
-                        "2.5 for rigid meshes, 2.3 for triangle sheets, 2.2 for yarns with a stiffness, "
+                        "2.6 for meshes that cut, 2.5 for rigid meshes, 2.4 for self-collision, 2.3 for triangle sheets, "
+                        "2.2 for yarns with a stiffness, "
                         "2.1 for yarns, 2.0 for others");
   for (uint32_t n = IMAGE_CAPACITY_WORD + POOLS_IN_HEADER; n < IMAGE_HEADER_WORDS; ++n)
     if (bytes_load32(image + 4u * n) != 0)

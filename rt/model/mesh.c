@@ -70,6 +70,35 @@ vec3 mesh_normal(vec3 a, vec3 b, vec3 c) {
                   fx_root_unit(root, normal.z));
 }
 
+int mesh_is_sharp(const fray_world *w, uint32_t n) {
+  const mesh_parts m = mesh_at(w, n);
+  int32_t sharp = 0;
+  for (uint32_t p = 0; p < (uint32_t)m.of->points; ++p) sharp |= m.points[p].sharp;
+  for (uint32_t e = 0; e < (uint32_t)m.of->edges; ++e) sharp |= m.edges[e].sharp;
+  return sharp != 0;
+}
+
+int mesh_side_is_sharp(const mesh_parts *m, const mesh_face *face, uint32_t k) {
+  const int32_t a = face->point[k];
+  const int32_t b = face->point[k == 2 ? 0 : k + 1u];
+  const int32_t low = fx_min(a, b);
+  const int32_t high = fx_max(a, b);
+  uint32_t first = 0;
+  uint32_t end = (uint32_t)m->of->edges;
+  while (first < end) {
+    const uint32_t middle = first + (end - first) / 2u;
+    const int32_t *ends = m->edges[middle].point;
+    const int32_t least = fx_min(ends[0], ends[1]);
+    const int32_t most = fx_max(ends[0], ends[1]);
+    if (least == low && most == high) return m->edges[middle].sharp;
+    if (least < low || (least == low && most < high))
+      first = middle + 1u;
+    else
+      end = middle;
+  }
+  return 0;
+}
+
 int32_t mesh_extent(const mesh_parts *m, vec3 along) {
   int32_t most = 0;
   for (uint32_t n = 0; n < (uint32_t)m->of->points; ++n)

@@ -108,6 +108,11 @@ static inline vec3 mesh_corner(const mesh_parts *m, uint32_t face, uint32_t k) {
  * MESH_REACH_MAX. */
 vec3 mesh_normal(vec3 a, vec3 b, vec3 c);
 
+/* It has a sharp point or edge. Linear in its points and edges. */
+int mesh_is_sharp(const fray_world *w, uint32_t n);
+/* Side k of a face, from its point k on, is a sharp edge. Cost: a search among the edges, 32 steps at most. */
+int mesh_side_is_sharp(const mesh_parts *m, const mesh_face *face, uint32_t k);
+
 /* How far the mesh goes from the body's position along a unit vector, Q24 lu. Linear in its points. */
 int32_t mesh_extent(const mesh_parts *m, vec3 along);
 

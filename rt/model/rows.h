@@ -102,11 +102,19 @@ typedef struct {
   int32_t held;
 } row_batch;
 
-/* (rest * (1 + strain))^2, Q48 lu^2. A rest length is below 1/8 lu, a strain at most 4. */
+/* rest * (1 + strain), Q24 lu. A rest length is below 1/8 lu, a strain at most 4. */
+static inline uint32_t link_stretched(int32_t rest, int32_t strain_q16) {
+#if FX_NO_LONG_MULTIPLY
+  const uint32_t r = (uint32_t)rest;
+  const uint32_t s = (uint32_t)strain_q16;
+  const uint32_t part = (r & 0xFFFFu) * (s & 0xFFFFu) >> 16;
+  return r + r * (s >> 16) + (r >> 16) * (s & 0xFFFFu) + part;
+#else
+  return (uint32_t)(fx_mul_wide_u((uint32_t)rest, 65536u + (uint32_t)strain_q16) >> 16);
+#endif
+}
 static inline uint64_t link_stretched_squared(int32_t rest, int32_t strain_q16) {
-  const uint32_t length =
-      (uint32_t)(fx_mul_wide_u((uint32_t)rest, 65536u + (uint32_t)strain_q16) >> 16);
-  return fx_mul_wide_u(length, length);
+  return fx_square((int32_t)link_stretched(rest, strain_q16));
 }
 
 enum {

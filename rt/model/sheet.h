@@ -43,6 +43,8 @@ typedef struct {
 
 /* What made a border of a side; two bits a side in `mark`. */
 typedef enum { SHEET_WHOLE = 0, SHEET_TORN = 1, SHEET_CUT = 2 } sheet_mark;
+/* And one of the triangle: it is beside a cut, and the blade that made it may still be in it. */
+enum { SHEET_PARTED = 64, SHEET_MARKS = 63 };
 
 /*    name              least       most */
 #define SHEET_PARAMS(X) \
@@ -119,6 +121,10 @@ static inline uint32_t sheet_back(const sheet_mesh *s, uint32_t t, uint32_t k) {
 }
 static inline sheet_mark sheet_mark_of(const sheet_mesh *s, uint32_t t, uint32_t k) {
   return (sheet_mark)((uint32_t)s->mark[t] >> (2u * k) & 3u);
+}
+
+static inline int sheet_is_parted(const sheet_mesh *s, uint32_t t) {
+  return ((uint32_t)s->mark[t] & SHEET_PARTED) != 0;
 }
 
 /* The triangles around a vertex, anticlockwise, and which corner of each it is. The spoke between

@@ -17,6 +17,13 @@ static void set_mark(sheet_mesh *s, uint32_t t, uint32_t k, sheet_mark mark) {
   s->mark[t] = (uint8_t)((s->mark[t] & ~(3u << (2u * k))) | (uint32_t)mark << (2u * k));
 }
 
+void sheet_part(fray_world *w, uint32_t t, int parted) {
+  if (parted == sheet_is_parted(&w->sheet, t)) return;
+  flip_triangle(w, t);
+  w->sheet.mark[t] ^= SHEET_PARTED;
+  flip_triangle(w, t);
+}
+
 static void set_fan(fray_world *w, uint32_t vertex, uint32_t t) {
   if (w->sheet.fan[vertex] == t) return;
   flip_vertex(w, vertex);

@@ -12,7 +12,20 @@ typedef struct {
   uint32_t rays;
   sheet_ray ray[RAYS];     /* share 0 along a spoke, else through a triangle */
   uint32_t ends[RAYS][2];  /* where the spokes on both sides of it go to */
+  uint32_t stouter;        /* than the floors: what it may leave, see below */
 } plan;
+
+/* Tears divide sides in the middle. Cuts do it anywhere, so slivers as thin as the floors would stand all along
+ * their way, and small triangles tremble: they leave 4 times the least area and 2 times the least height. */
+enum { FOR_TEAR = 0, FOR_CUT = 1 };
+static int is_stouter(const sheet_mesh *s, uint32_t by, sheet_point a, sheet_point b, sheet_point c) {
+  sheet_params floors = *s->params;
+  sheet_mesh as = *s;
+  floors.area_min <<= 2u * by;
+  floors.height_min <<= by;
+  as.params = &floors;
+  return sheet_is_stout(&as, a, b, c);
+}
 
 static int is_held(const fray_world *w, uint32_t p) { return p < (uint32_t)w->params->held; }
 
@@ -87,11 +100,11 @@ static int may_divide(const fray_world *w, const plan *p, uint32_t n, uint32_t s
   const sheet_point at = sheet_between(a, b, share);
   const uint32_t other = sheet_across(s, t, k);
   if (p->fan.count + RAYS > SHEET_FAN || !is_untouched(s, p, n, other)) return 0;
-  if (!sheet_is_stout(s, p->centre, a, at) || !sheet_is_stout(s, p->centre, at, b)) return 0;
+  if (!is_stouter(s, p->stouter, p->centre, a, at) || !is_stouter(s, p->stouter, p->centre, at, b)) return 0;
   if (other == SHEET_NONE) return 1;
   const uint32_t far = s->triangle[other].v[sheet_back(s, t, k)];
   const sheet_point apex = sheet_at(s, far);
-  return sheet_is_stout(s, apex, b, at) && sheet_is_stout(s, apex, at, a) &&
+  return is_stouter(s, p->stouter, apex, b, at) && is_stouter(s, p->stouter, apex, at, a) &&
          has_room_for(s, far, RAYS);
 }
 
@@ -182,14 +195,25 @@ static uint32_t divide_between(fray_world *w, uint32_t vertex, const uint32_t en
   return born;
 }
 
-static void carry_out(fray_world *w, const plan *p, uint32_t centre, sheet_mark mark) {
+/* All sides towards its ends open; what became two of that. */
+static void open_ray(fray_world *w, uint32_t centre, uint32_t end, sheet_mark mark, sheet_lips *lips) {
+  const int is_border = sheet_is_open(&w->sheet, end);
+  const uint32_t before = w->particles;
+  open_towards(w, centre, end, mark);
+  if (is_border && w->particles != before) lips->vertex[lips->count++] = end;
+  for (uint32_t p = before; p < w->particles; ++p) lips->vertex[lips->count++] = p;
+}
+
+static void carry_out(fray_world *w, const plan *p, uint32_t centre, sheet_mark mark, sheet_lips *lips) {
   uint32_t to[RAYS];
+  lips->vertex[0] = centre;
+  lips->count = 1;
   for (uint32_t m = 0; m < p->rays; ++m)
     to[m] = p->ray[m].share == 0 ? p->ends[m][0]
                                  : divide_between(w, centre, p->ends[m], p->ray[m].share);
   /* what opens second divides a closed fan: behind it the centre is another vertex */
   for (uint32_t m = 0; m < p->rays; ++m)
-    open_towards(w, centre, to[m == 0 ? 0 : p->rays - m], mark);
+    open_ray(w, centre, to[m == 0 ? 0 : p->rays - m], mark, lips);
 }
 
 /* ---- splitting a vertex ---- */
@@ -197,6 +221,7 @@ static void carry_out(fray_world *w, const plan *p, uint32_t centre, sheet_mark 
 static sheet_result plan_split(const fray_world *w, uint32_t vertex, const sheet_ray *from,
                                const sheet_ray *to, plan *p) {
   p->vertex = vertex;
+  p->stouter = FOR_TEAR;
   p->centre = sheet_at(&w->sheet, vertex);
   p->rays = 0;
   sheet_walk(&w->sheet, vertex, &p->fan);
@@ -215,13 +240,23 @@ sheet_fit sheet_can_split(const fray_world *w, uint32_t vertex, const sheet_ray 
 sheet_result sheet_split(fray_world *w, uint32_t vertex, const sheet_ray *from, const sheet_ray *to,
                          sheet_mark mark) {
   plan p;
+  sheet_lips lips;
   sheet_result result = plan_split(w, vertex, from, to, &p);
   if (result == SHEET_DONE) result = check_pools(w, &p, 0, 0);
-  if (result == SHEET_DONE) carry_out(w, &p, vertex, mark);
+  if (result == SHEET_DONE) carry_out(w, &p, vertex, mark, &lips);
   return result;
 }
 
 /* ---- cuts ---- */
+
+/* Of a side: nearer to an end than that a cut goes through the end. Slivers that a tear seldom leaves, as it
+ * divides sides in the middle, a cut would leave all along its way. */
+enum { CUT_NEAR = SHEET_SHARE / 4 };
+
+static uint32_t drawn_to_end(uint32_t share) {
+  if (share < CUT_NEAR) return 0;
+  return share > SHEET_SHARE - CUT_NEAR ? SHEET_SHARE : share;
+}
 
 /* The way of an edge over the centre: to both sides of it in a closed fan, and as far as it goes; one
  * way in an open one. */
@@ -230,21 +265,23 @@ static int add_way(const fray_world *w, plan *p, int32_t du, int32_t dv) {
     sheet_ray ray;
     const int32_t sign = m == 0 ? 1 : -1;
     if (p->fan.closed == 0 && p->rays != 0) break;
-    if (sheet_ray_along(&w->sheet, &p->fan, p->centre, sign * du, sign * dv, &ray))
-      (void)add_ray(w, p, &ray);
+    if (!sheet_ray_along(&w->sheet, &p->fan, p->centre, sign * du, sign * dv, &ray)) continue;
+    ray.share = drawn_to_end(ray.share);
+    (void)add_ray(w, p, &ray);
   }
   return p->rays != 0;
 }
 
-static sheet_result cut_vertex(fray_world *w, uint32_t vertex, int32_t du, int32_t dv) {
+static sheet_result cut_vertex(fray_world *w, uint32_t vertex, int32_t du, int32_t dv, sheet_lips *lips) {
   plan p;
   p.vertex = vertex;
+  p.stouter = FOR_CUT;
   p.centre = sheet_at(&w->sheet, vertex);
   p.rays = 0;
   sheet_walk(&w->sheet, vertex, &p.fan);
   if (is_held(w, vertex) || !add_way(w, &p, du, dv)) return SHEET_NO_WAY;
   const sheet_result result = check_pools(w, &p, 0, 0);
-  if (result == SHEET_DONE) carry_out(w, &p, vertex, SHEET_CUT);
+  if (result == SHEET_DONE) carry_out(w, &p, vertex, SHEET_CUT, lips);
   return result;
 }
 
@@ -266,16 +303,32 @@ static void fan_on_side(const sheet_mesh *s, uint32_t t, uint32_t k, sheet_fan *
   put_side(fan, other, sheet_last(back));
 }
 
+static int parts_are_stouter(const sheet_mesh *s, uint32_t t, uint32_t k, uint32_t share) {
+  const sheet_point a = sheet_at(s, s->triangle[t].v[sheet_next(k)]);
+  const sheet_point b = sheet_at(s, s->triangle[t].v[sheet_last(k)]);
+  const sheet_point at = sheet_between(a, b, share);
+  const uint32_t other = sheet_across(s, t, k);
+  for (uint32_t n = 0; n < (other == SHEET_NONE ? 1u : 2u); ++n) {
+    const sheet_point apex = sheet_at(s, n == 0 ? s->triangle[t].v[k] : s->triangle[other].v[sheet_back(s, t, k)]);
+    const int turned = n != 0;
+    if (!is_stouter(s, FOR_CUT, apex, turned ? at : a, turned ? a : at) ||
+        !is_stouter(s, FOR_CUT, apex, turned ? b : at, turned ? at : b))
+      return 0;
+  }
+  return 1;
+}
+
 sheet_result sheet_cut_side(fray_world *w, uint32_t t, uint32_t k, uint32_t share, int32_t du,
-                            int32_t dv) {
+                            int32_t dv, sheet_lips *lips) {
   const sheet_mesh *s = &w->sheet;
   const uint32_t a = s->triangle[t].v[sheet_next(k)];
   const uint32_t b = s->triangle[t].v[sheet_last(k)];
   plan p;
   if (share > SHEET_SHARE) return SHEET_NO_WAY;
-  if (!sheet_can_divide_side(s, t, k, share))
-    return cut_vertex(w, share < SHEET_SHARE / 2 ? a : b, du, dv);
+  if (drawn_to_end(share) != share || !sheet_can_divide_side(s, t, k, share) || !parts_are_stouter(s, t, k, share))
+    return cut_vertex(w, share < SHEET_SHARE / 2 ? a : b, du, dv, lips);
   p.vertex = SHEET_NONE;
+  p.stouter = FOR_CUT;
   p.centre = sheet_between(sheet_at(s, a), sheet_at(s, b), share);
   p.rays = 0;
   fan_on_side(s, t, k, &p.fan);
@@ -285,7 +338,7 @@ sheet_result sheet_cut_side(fray_world *w, uint32_t t, uint32_t k, uint32_t shar
   if (result != SHEET_DONE) return result;
   uint32_t centre = SHEET_NONE;
   result = sheet_divide_side(w, t, k, share, &centre);
-  carry_out(w, &p, centre, SHEET_CUT);
+  carry_out(w, &p, centre, SHEET_CUT, lips);
   return result;
 }
 
@@ -300,7 +353,7 @@ static uint32_t nearest_side(const uint32_t weight[3], uint32_t *share) {
 }
 
 sheet_result sheet_cut_triangle(fray_world *w, uint32_t t, uint32_t share0, uint32_t share1,
-                                int32_t du, int32_t dv) {
+                                int32_t du, int32_t dv, sheet_lips *lips) {
   const sheet_mesh *s = &w->sheet;
   plan p;
   if (share0 > SHEET_SHARE || share1 > SHEET_SHARE - share0) return SHEET_NO_WAY;
@@ -308,9 +361,10 @@ sheet_result sheet_cut_triangle(fray_world *w, uint32_t t, uint32_t share0, uint
     const uint32_t weight[3] = {share0, share1, SHEET_SHARE - share0 - share1};
     uint32_t share;
     const uint32_t k = nearest_side(weight, &share);
-    return sheet_cut_side(w, t, k, share, du, dv);
+    return sheet_cut_side(w, t, k, share, du, dv, lips);
   }
   p.vertex = SHEET_NONE;
+  p.stouter = FOR_CUT;
   p.centre = sheet_within(s, t, share0, share1);
   p.rays = 0;
   p.fan.count = 0;
@@ -323,6 +377,6 @@ sheet_result sheet_cut_triangle(fray_world *w, uint32_t t, uint32_t share0, uint
   if (result != SHEET_DONE) return result;
   uint32_t centre = SHEET_NONE;
   result = sheet_divide_triangle(w, t, share0, share1, &centre);
-  carry_out(w, &p, centre, SHEET_CUT);
+  carry_out(w, &p, centre, SHEET_CUT, lips);
   return result;
 }

@@ -61,14 +61,25 @@ sheet_result sheet_divide_side(fray_world *w, uint32_t t, uint32_t k, uint32_t s
 sheet_result sheet_divide_triangle(fray_world *w, uint32_t t, uint32_t share0, uint32_t share1,
                                    uint32_t *born);
 
+/* Marks a triangle as one in which a blade may be, or takes that back. */
+void sheet_part(fray_world *w, uint32_t t, int parted);
+
+/* The vertices around which a cut opened the sheet: all that became two, with what they became; the first is
+ * where the blade was. */
+enum { SHEET_LIPS = 10 };
+typedef struct {
+  uint32_t count;
+  uint32_t vertex[SHEET_LIPS];
+} sheet_lips;
+
 /* A sharp edge through side k: the side is divided where they met, and the cloth opened from there to
  * both sides along the edge's way. Near an end of the side, or where the parts would be slivers, the
  * nearer end is split instead. */
 sheet_result sheet_cut_side(fray_world *w, uint32_t t, uint32_t k, uint32_t share, int32_t du,
-                            int32_t dv);
+                            int32_t dv, sheet_lips *lips);
 /* A sharp point through a triangle: three new sides from there to its corners, all open. Near a side,
  * that is divided and opened as by sheet_cut_side() along (du, dv). */
 sheet_result sheet_cut_triangle(fray_world *w, uint32_t t, uint32_t share0, uint32_t share1,
-                                int32_t du, int32_t dv);
+                                int32_t du, int32_t dv, sheet_lips *lips);
 
 #endif

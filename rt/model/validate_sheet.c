@@ -105,7 +105,8 @@ static int triangles_good(const fray_world *w, fray_error *error) {
     for (uint32_t n = 0; n < HABIT_WORDS; ++n)
       if (habits[n] < -STRAIN_MAX || habits[n] > STRAIN_MAX)
         return bad(error, IN_HABITS, t, "strains within 4");
-    if (s->mark[t] > 63) return bad(error, IN_MARK, t, "two bits a side");
+    if (s->mark[t] > (world_has_blades(w) ? SHEET_MARKS | SHEET_PARTED : SHEET_MARKS))
+      return bad(error, IN_MARK, t, "two bits a side, and one where meshes cut");
     if (s->cloth[t] >= (uint32_t)s->params->cloths)
       return bad(error, IN_CLOTH, t, "a cloth that exists");
   }

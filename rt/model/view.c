@@ -21,6 +21,8 @@ static uint32_t most_of(uint64_t a, uint64_t b) {
   return a != 0 && b > UINT32_MAX / a ? UINT32_MAX : (uint32_t)(a * b);
 }
 
+static uint32_t most_sum(uint32_t a, uint32_t b) { return b > UINT32_MAX - a ? UINT32_MAX : a + b; }
+
 /* One particle or triangle for each contact, in each substep; all once more where free bodies may be stopped. */
 static void mesh_limits(const fray_world *w, fray_work *most) {
   const uint64_t looks = mesh_looks(w);
@@ -38,6 +40,27 @@ static void mesh_limits(const fray_world *w, fray_work *most) {
       most_of(ways, MESH_NEAR * (MESH_ROUNDS + 1u + looks + 3u * whole) +
                         whole * MESH_CLOSE_SWEEPS * (MESH_PRESSES + checks));
   most->mesh_stops = most_of(w->capacity[POOL_PARTICLES], passes * (1u + whole) + (runs - 1u) * mesh_solids(w) * substeps);
+}
+
+/* Every pass may find as many pairs as there is room for. */
+static void selves_limits(const fray_world *w, fray_work *most) {
+  const uint64_t pairs = (uint64_t)w->capacity[POOL_PAIRS] * SELVES_PASSES;
+  most->self_visits = most_of(w->capacity[POOL_CROSSINGS], SELVES_VISITS * SELVES_PASSES);
+  most->self_pairs = most_of(pairs, 1);
+  most->self_sweeps = most_of(pairs, SELVES_MERGES) + most_of(w->capacity[POOL_PAIRS], SELVES_ROUNDS);
+  most->self_stops = most_of(w->capacity[POOL_PARTICLES], SELVES_PASSES * (SELVES_MERGES + 2u) + 1u);
+}
+
+/* All triangles once by each mesh, as many as there are contacts; particles twice; what a cut adds is looked
+ * at again. */
+static void blade_limits(const fray_world *w, fray_work *most) {
+  const uint64_t meshes = mesh_count(w);
+  most->slashes = (uint32_t)w->blades->cuts_max;
+  most->cuts += most->slashes;
+  most->mesh_tests = most_sum(most->mesh_tests, most_of(2u * w->capacity[POOL_PARTICLES], meshes));
+  most->mesh_boxes = most_sum(most->mesh_boxes, most_of(w->capacity[POOL_CONTACTS], MESH_VISITS * meshes));
+  most->mesh_sweeps =
+      most_sum(most->mesh_sweeps, most_of(w->capacity[POOL_CONTACTS], MESH_CLOSE_SWEEPS * meshes));
 }
 
 fray_work fray_limits(const fray_world *w) {
@@ -79,6 +102,8 @@ fray_work fray_limits(const fray_world *w) {
     most.cuts = (uint32_t)w->sheet.params->cloths;
   }
   if (world_has_meshes(w)) mesh_limits(w, &most);
+  if (world_has_selves(w)) selves_limits(w, &most);
+  if (world_has_blades(w)) blade_limits(w, &most);
   most.splits = p->tearing != 0 ? w->capacity[POOL_SPLITS] : 0;
   return most;
 }
@@ -126,6 +151,10 @@ fray_facts fray_describe(const fray_world *w) {
     f.triangles_max = w->capacity[POOL_TRIANGLES];
     f.inner_steps = (uint32_t)w->cloths->inner;
     f.stiffness_q30 = w->fabrics[0].scale;
+  }
+  if (world_has_selves(w)) {
+    f.pairs_max = w->capacity[POOL_PAIRS];
+    f.self_thickness = w->selves->thickness;
   }
   f.hands = (uint32_t)p->hands;
   for (uint32_t h = 0; h < FRAY_HANDS; ++h) f.consumed[h] = (uint8_t)w->state->hand[h].consumed;

@@ -87,10 +87,16 @@ uint64_t world_hash(const fray_world *w) {
   return hash_end(&h);
 }
 
-static int32_t drawn(const fray_world *w, uint32_t row, int32_t least, int32_t most) {
+/* What a row's draws go by; worlds that are not mirrored need no frame for it. */
+__attribute__((noinline)) static uint32_t mirrored(const fray_world *w, uint32_t element) {
+  return weave_mirror(world_weave(w), element);
+}
+
+static inline int32_t drawn(const fray_world *w, uint32_t row, int32_t least, int32_t most) {
+  const params *p = w->params;
   uint32_t element = w->home[row];
-  if (w->params->tear_mirrored != 0) element = weave_mirror(world_weave(w), element);
-  return random_between((uint32_t)w->params->seed, element, least, most);
+  if (p->tear_mirrored != 0) element = mirrored(w, element);
+  return random_between((uint32_t)p->seed, element, least, most);
 }
 
 int32_t world_threshold(const fray_world *w, uint32_t row) {

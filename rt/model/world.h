@@ -7,6 +7,7 @@
 
 #include "rt/base/hash.h"
 #include "rt/base/vec.h"
+#include "rt/model/blades.h"
 #include "rt/model/bodies.h"
 #include "rt/model/cloths.h"
 #include "rt/model/contacts.h"
@@ -14,6 +15,7 @@
 #include "rt/model/inner.h"
 #include "rt/model/params.h"
 #include "rt/model/rows.h"
+#include "rt/model/selves.h"
 #include "rt/model/sheet.h"
 #include "rt/model/stretch.h"
 #include "rt/model/weave.h"
@@ -36,8 +38,10 @@ typedef enum {
   POOL_SPLITS, /* a tick; not 0 iff the world has yarns */
   POOL_STRETCH, /* as many as classes of links iff its yarns have a stiffness, else 0 */
   POOL_TRIANGLES, /* not 0 iff the world is a triangle sheet and has no crossings */
+  POOL_PAIRS, /* segments that may meet in a tick; not 0 iff yarns do not pass through each other */
   POOLS_IN_HEADER,
   POOL_MESH_WORDS = POOLS_IN_HEADER, /* not 0 iff bodies are meshes; the directory says how many */
+  POOL_BLADES, /* 1 iff meshes cut its triangles, else 0; the directory says it */
   POOLS
 } pool_name;
 
@@ -82,6 +86,8 @@ struct fray_world {
   const stretch_class *pulls; /* by class of links */
   const link_class *limits;   /* links as long as they may become */
   const int32_t *meshes;     /* see model/mesh.h */
+  const selves_params *selves;
+  const blade_params *blades; /* of worlds whose triangles are cut */
 
   /* state */
   state *state;
@@ -120,6 +126,19 @@ struct fray_world {
   vec3 *stood;               /* body -> where it stood then; with meshes only */
   uint8_t *aside;            /* particle -> on which sides of the box of a mesh its way stays; see stage/solids.h */
   row_id *beside;            /* triangles that come near it */
+  /* of self-collision */
+  self_way *ways;            /* of a particle */
+  self_field *fields;        /* of a particle */
+  self_box *boxes;           /* a tree over the crossings */
+  uint32_t *rough;           /* crossing -> how many up to it are not spread out flat */
+  self_pair *pairs;
+  self_zone *zones;          /* of a particle that stands for others */
+  row_id *zone_of;           /* particle -> towards the one that stands for it */
+  uint8_t *stirred;          /* particle -> the round in which it was put somewhere last */
+  uint32_t pair_count, began, joined; /* began: particles at the tick's begin */
+  uint8_t round;
+  uint32_t sharp;            /* meshes that cut, a bit each; as long as the world */
+  uint8_t *parted;           /* particle -> 1: all of its triangles are parted; see stage/slash.c */
   cut *cuts;
   uint32_t cut_count;
   uint32_t cuts_waiting;
@@ -170,6 +189,19 @@ static inline int world_has_sheet(const fray_world *w) {
 #endif
 static inline int world_has_meshes(const fray_world *w) {
   return FRAY_MESHES && w->capacity[POOL_MESH_WORDS] != 0;
+}
+
+/* 0: one that opens no sheets with self-collision. */
+#ifndef FRAY_SELVES
+#define FRAY_SELVES FRAY_MESHES
+#endif
+static inline int world_has_selves(const fray_world *w) {
+  return FRAY_SELVES && w->capacity[POOL_PAIRS] != 0;
+}
+
+/* Meshes cut its triangles. */
+static inline int world_has_blades(const fray_world *w) {
+  return FRAY_MESHES && FRAY_TRIANGLES && w->capacity[POOL_BLADES] != 0;
 }
 
 /* Enters or takes an entry out of the topology's hash. */

@@ -10,7 +10,7 @@
  * part of the hash.
  *
  * Bodies that fly free are moved by what the cloth gave them in the substep before, so worlds with them
- * are ticked by worker 0, as are triangle sheets and those with rigid meshes, with yarns, with links that have a stiffness,
+ * are ticked by worker 0, as are triangle sheets and those with rigid meshes, with yarns, with self-collision, with links that have a stiffness,
  * and with rows that leave no place to cut. Springs that tear are found when all substeps are done: what
  * comes between in step.c, velocities, neither moves a particle nor asks for a row. */
 #include "rt/share/share.h"
@@ -30,7 +30,7 @@ static int has_free_body(const fray_world *w) {
 
 static int is_whole(const fray_world *w) {
   return has_free_body(w) || world_has_yarns(w) || world_has_stretch(w) || world_has_sheet(w) ||
-         world_has_meshes(w);
+         world_has_meshes(w) || world_has_selves(w);
 }
 
 static int has_surface(const fray_world *w) {

@@ -15,6 +15,7 @@
 #include "rt/base/bytes.h"
 #include "rt/model/element.h"
 #include "rt/stage/stage.h"
+#include "rt/wide/wide.h"
 
 enum { BLOW_MAX = 1 << 26, LOAD_NEAR = 64 /* position steps off its line */ };
 
@@ -126,8 +127,11 @@ static int32_t blown(int32_t v, int32_t sum, int32_t inverse) {
 
 static void blow_wind(fray_world *w) {
   const uint32_t held = (uint32_t)w->params->held;
+  const uint32_t triangles = (uint32_t)w->sheet.state->triangles;
+  const blow_view view = {{w->x, w->y, w->z}, {w->vx, w->vy, w->vz}, w->sheet.triangle, w->cloths, w->sums};
   bytes_zero(w->sums, w->particles * sizeof *w->sums);
-  for (uint32_t t = 0; t < (uint32_t)w->sheet.state->triangles; ++t) blow_triangle(w, t);
+  /* once one is left to this code, sums may be held to a bound: so are all after it */
+  for (uint32_t t = wide_blow(w->kernel, &view, 0, triangles); t < triangles; ++t) blow_triangle(w, t);
   for (uint32_t p = 0; p < held; ++p)
     body_gave(&w->motion[w->grip_body[p]], -(int64_t)w->sums[p].x, -(int64_t)w->sums[p].y,
               -(int64_t)w->sums[p].z);

@@ -18,6 +18,7 @@
 #include "rt/model/element.h"
 #include "rt/stage/hinge.h"
 #include "rt/stage/stage.h"
+#include "rt/wide/wide.h"
 
 /* Q`bits` of n / d, for d above 0. */
 static int32_t ratio(int64_t n, uint32_t d, unsigned bits) {
@@ -30,14 +31,14 @@ static int32_t ratio(int64_t n, uint32_t d, unsigned bits) {
 static int32_t way(const int32_t *x, uint32_t from, uint32_t to) {
   return fx_clamp_rare(fx_sub(x[to], x[from]), -HINGE_REACH / 16, HINGE_REACH / 16) * 16;
 }
-static vec3 way_of(const fray_world *w, uint32_t from, uint32_t to) {
-  return vec_make(way(w->x, from, to), way(w->y, from, to), way(w->z, from, to));
+static vec3 way_of(const weigh_view *v, uint32_t from, uint32_t to) {
+  return vec_make(way(v->at[0], from, to), way(v->at[1], from, to), way(v->at[2], from, to));
 }
 
 /* 2 (cos, sin) of twice the angle are (u^2 - v^2, 2 u v): mirrored into 0 to 90 degrees. */
-static int32_t direction_of(const sheet_mesh *s, uint32_t from, uint32_t to) {
-  const int64_t u = fx_asr(fx_sub(s->u[to], s->u[from]), 8);
-  const int64_t v = fx_asr(fx_sub(s->v[to], s->v[from]), 8);
+static int32_t direction_of(const weigh_view *w, uint32_t from, uint32_t to) {
+  const int64_t u = fx_asr(fx_sub(w->u[to], w->u[from]), 8);
+  const int64_t v = fx_asr(fx_sub(w->v[to], w->v[from]), 8);
   const int64_t x = u * u - v * v;
   const int64_t y = 2 * u * v;
   const int32_t cosine = fx_saturate(fx_round64(x, 6));
@@ -57,30 +58,29 @@ static int32_t times(int32_t a, int32_t b, unsigned bits) {
 }
 
 /* By curvature, for the direction of a side at rest, Q28 of 0..2 for 0, 45, 90 degrees. */
-static void fill_stiffness(const fray_world *w, const fabric *f, int32_t direction, int32_t shape, crease *c) {
+static void fill_stiffness(const weigh_view *v, const fabric *f, int32_t direction, int32_t shape, crease *c) {
   const uint32_t row = direction >= STRAIN_ONE ? 1 : 0;
   const int32_t turned = direction - (int32_t)(row << STRAIN_BITS);
   for (uint32_t n = 0; n < FABRIC_CURVES; ++n) {
     const int32_t from = f->bend[row][n];
     const int32_t d = from + times(fx_sub(f->bend[row + 1u][n], from), turned, STRAIN_BITS);
-    c->stiff[n] = times(times(d, shape, 24), w->cloths->bend_gain, (unsigned)w->cloths->bend_shift);
+    c->stiff[n] = times(times(d, shape, 24), v->cloths->bend_gain, (unsigned)v->cloths->bend_shift);
   }
 }
 
 /* 0 where a triangle has no area to speak of. */
-static int weigh_crease(const fray_world *w, uint32_t t, crease *c) {
+static int weigh_crease(const weigh_view *v, crease *c) {
   const uint32_t *x = c->x;
-  const hinge h = hinge_of(way_of(w, x[2], x[3]), way_of(w, x[3], x[0]), way_of(w, x[3], x[1]));
+  const hinge h = hinge_of(way_of(v, x[2], x[3]), way_of(v, x[3], x[0]), way_of(v, x[3], x[1]));
   if (!hinge_is_sound(&h)) return 0;
   const hinge_unit n1 = hinge_unit_of(h.area1);
   const hinge_unit n2 = hinge_unit_of(h.area2);
   const uint32_t edge = hinge_unit_of(h.side).length;
   const uint32_t squared = (uint32_t)fx_round64((int64_t)vec_squared(h.side), 28);
   const uint32_t areas = n1.length + n2.length;
-  fill_stiffness(w, &w->fabrics[w->sheet.cloth[t]], direction_of(&w->sheet, x[2], x[3]),
-                 ratio(squared, areas, 24), c);
+  fill_stiffness(v, &v->fabrics[(uint32_t)c->reach], direction_of(v, x[2], x[3]), ratio(squared, areas, 24), c);
   /* 2 |n1 - n2| / (h1 + h2) = 4 sin(t/2) |E| / areas */
-  c->reach = times(ratio(edge, areas, 24), w->cloths->curve_gain, 24);
+  c->reach = times(ratio(edge, areas, 24), v->cloths->curve_gain, 24);
   c->height[0] = ratio(edge, n1.length, 16);
   c->height[1] = ratio(edge, n2.length, 16);
   c->foot[0] = foot(h.to1, h.side, squared);
@@ -88,20 +88,40 @@ static int weigh_crease(const fray_world *w, uint32_t t, crease *c) {
   return 1;
 }
 
-void creases_weigh(fray_world *w) {
+/* Sides of two triangles, with their vertices; until they are weighed, the cloth stands in `reach`. */
+static uint32_t list_creases(fray_world *w) {
   const sheet_mesh *s = &w->sheet;
   uint32_t count = 0;
-  if (w->cloths->bend_every == 0) return;
   for (uint32_t t = 0; t < (uint32_t)s->state->triangles; ++t)
     for (uint32_t k = 0; k < 3; ++k) {
       const uint32_t other = s->triangle[t].across[k];
-      crease *c = &w->creases[count];
       if (other <= t) continue;
+      crease *c = &w->creases[count++];
       c->x[0] = s->triangle[t].v[k];
       c->x[1] = s->triangle[other].v[sheet_back(s, t, k)];
       c->x[2] = s->triangle[t].v[sheet_last(k)];
       c->x[3] = s->triangle[t].v[sheet_next(k)];
-      count += weigh_crease(w, t, c) ? 1u : 0u;
+      c->reach = s->cloth[t];
     }
+  return count;
+}
+
+void creases_weigh(fray_world *w) {
+  const weigh_view view = {{w->x, w->y, w->z}, w->sheet.u, w->sheet.v, w->fabrics, w->cloths, w->creases};
+  uint32_t count = 0;
+  uint32_t at = 0;
+  if (w->cloths->bend_every == 0) return;
+  const uint32_t listed = list_creases(w);
+  while (at < listed) {
+    const uint32_t taken = wide_weigh(w->kernel, &view, at, listed);
+    for (uint32_t n = at; count != at && n < at + taken; ++n) w->creases[count + n - at] = w->creases[n];
+    at += taken;
+    count += taken;
+    if (at == listed) break;
+    crease *c = &w->creases[at++];
+    if (!weigh_crease(&view, c)) continue;
+    if (c != &w->creases[count]) w->creases[count] = *c;
+    ++count;
+  }
   w->crease_count = count;
 }

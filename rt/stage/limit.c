@@ -26,13 +26,13 @@ static void shorten(fray_world *w, uint32_t i, uint32_t j) {
   const uint64_t now2 = vec_squared(d);
   if (rest2 == 0 || now2 <= rest2) return;
   const uint64_t rest = fx_root_length(fx_rsqrt(rest2, FX_ROOT_FINE));
-  const uint64_t now = fx_root_length(fx_rsqrt(now2, FX_ROOT_FINE));
+  const fx_root root = fx_rsqrt(now2, FX_ROOT_FINE);
+  const uint64_t now = fx_root_length(root);
   const uint64_t most = rest * (uint32_t)w->cloths->limit >> 16;
   const uint64_t of_i = i < held ? 0 : (uint32_t)w->inverse[i];
   const uint64_t of_j = j < held ? 0 : (uint32_t)w->inverse[j];
   if (now <= most || of_i + of_j == 0) return;
   const int64_t share = (int64_t)((of_i << 24) / (of_i + of_j));
-  const fx_root root = fx_rsqrt(now2, FX_ROOT_FINE);
   const vec3 unit = {fx_root_unit(root, d.x), fx_root_unit(root, d.y), fx_root_unit(root, d.z)};
   const vec3 speed = {apart_in(w->vx, i, j), apart_in(w->vy, i, j), apart_in(w->vz, i, j)};
   const int32_t apart = vec_dot_unit(speed, unit);

@@ -221,7 +221,7 @@ static void repel_all(fray_world *w, const solid *t, uint32_t *left) {
   const int32_t skin = solid_skin(w);
   for (uint32_t p = 0; p < end; ++p) {
     const sweep_point way = solid_way(w, t, p);
-    w->aside[p] = solid_sides(t, &way, skin);
+    w->aside[p] = solid_passes(w, t, p) ? (uint8_t)SOLID_SIDES : solid_sides(t, &way, skin);
     if (w->aside[p] != 0 || p < held) continue;
     if (*left == 0 || solid_is_far(way.begin) || solid_is_far(way.end)) {
       w->state->faults |=
@@ -245,7 +245,7 @@ static uint32_t look(fray_world *w, const solid *t, uint32_t *left) {
   uint32_t stands = 0;
   for (uint32_t p = 0; p < end; ++p) {
     const sweep_point way = solid_way(w, t, p);
-    w->aside[p] = solid_sides(t, &way, 0);
+    w->aside[p] = solid_passes(w, t, p) ? (uint8_t)SOLID_SIDES : solid_sides(t, &way, 0);
     if (w->aside[p] != 0 || p < held || t->radius != 0 || solid_stays(&way)) continue;
     const int unknown = *left == 0 || solid_is_far(way.begin) || solid_is_far(way.end);
     if (!unknown) --*left;

@@ -64,7 +64,7 @@ static uint32_t list_beside(fray_world *w, const solid *t, uint32_t *left) {
   for (uint32_t n = 0; n < triangles; ++n) {
     const row_id *v = w->sheet.triangle[n].v;
     if ((w->aside[v[0]] & w->aside[v[1]] & w->aside[v[2]] & SOLID_SIDES) != 0) continue;
-    if (is_gripped(w, v, t->body)) continue;
+    if (is_gripped(w, v, t->body) || solid_parts(w, t, n)) continue;
     if (*left == 0) {
       w->state->faults |= (int32_t)FRAY_FAULT_CONTACTS_FULL;
       stand_triangle(w, t, n);
@@ -90,7 +90,8 @@ static int begin_flap(fray_world *w, const solid *t, uint32_t triangle, int32_t 
       return 0;
     }
     const uint32_t across = s->across[sheet_last(k)];
-    if (across >= triangle || is_gripped(w, w->sheet.triangle[across].v, t->body)) f->own |= 1u << k;
+    if (across >= triangle || is_gripped(w, w->sheet.triangle[across].v, t->body) || solid_parts(w, t, across))
+      f->own |= 1u << k;
   }
   f->span = solid_span_of(f->way, 3, skin);
   if (t->radius != 0) return 1;
@@ -327,11 +328,13 @@ void press_stand(fray_world *w, const solid *t) {
   const int32_t skin = solid_skin(w);
   for (uint32_t p = 0; p < w->particles; ++p) {
     const sweep_point way = solid_way(w, t, p);
-    w->aside[p] = solid_sides(t, &way, skin);
+    w->aside[p] = solid_passes(w, t, p) ? (uint8_t)SOLID_SIDES : solid_sides(t, &way, skin);
   }
   for (uint32_t n = 0; n < triangles; ++n) {
     const row_id *v = w->sheet.triangle[n].v;
-    if ((w->aside[v[0]] & w->aside[v[1]] & w->aside[v[2]] & SOLID_SIDES) != 0 || is_gripped(w, v, t->body)) continue;
+    if ((w->aside[v[0]] & w->aside[v[1]] & w->aside[v[2]] & SOLID_SIDES) != 0 || is_gripped(w, v, t->body) ||
+        solid_parts(w, t, n))
+      continue;
     stand_triangle(w, t, n);
   }
 }

@@ -53,21 +53,31 @@ static tensor get_used_to(habit *h, tensor strain, unsigned shift) {
   return h->mean[HABIT_POLES - 1];
 }
 
+static void stress_triangle(const fray_world *w, uint32_t t) {
+  const element_axes e = element_axes_of(w, t);
+  const tensor strain = fabric_strain(e.u, e.v);
+  int32_t *c = w->pull[t].c;
+  const int32_t left = left_of(w, t);
+  fabric_stiffness(&w->fabrics[w->sheet.cloth[t]],
+                   get_used_to(&w->habits[t], strain, (unsigned)w->cloths->habit_shift), c);
+  w->stress[t] = fabric_stress(c, strain);
+  if (left == 1 << 30) return;
+  w->stress[t].uu = (int32_t)fx_round64(fx_mul_wide(w->stress[t].uu, left), 30);
+  w->stress[t].vv = (int32_t)fx_round64(fx_mul_wide(w->stress[t].vv, left), 30);
+  w->stress[t].uv = (int32_t)fx_round64(fx_mul_wide(w->stress[t].uv, left), 30);
+}
+
 void stress_run(fray_world *w) {
   if (!world_has_sheet(w)) return;
   const sheet_mesh *s = &w->sheet;
-  for (uint32_t t = 0; t < (uint32_t)s->state->triangles; ++t) {
-    const element_axes e = element_axes_of(w, t);
-    const tensor strain = fabric_strain(e.u, e.v);
-    int32_t *c = w->pull[t].c;
-    const int32_t left = left_of(w, t);
-    fabric_stiffness(&w->fabrics[s->cloth[t]],
-                     get_used_to(&w->habits[t], strain, (unsigned)w->cloths->habit_shift), c);
-    w->stress[t] = fabric_stress(c, strain);
-    if (left == 1 << 30) continue;
-    w->stress[t].uu = (int32_t)fx_round64(fx_mul_wide(w->stress[t].uu, left), 30);
-    w->stress[t].vv = (int32_t)fx_round64(fx_mul_wide(w->stress[t].vv, left), 30);
-    w->stress[t].uv = (int32_t)fx_round64(fx_mul_wide(w->stress[t].uv, left), 30);
+  const cloth_params *c = w->cloths;
+  const stress_view view = {{w->x, w->y, w->z}, s->triangle, s->weights, w->fabrics, s->cloth,
+                            (unsigned)c->habit_shift, c->steep, w->habits, w->pull, w->stress};
+  const uint32_t count = (uint32_t)s->state->triangles;
+  uint32_t t = 0;
+  while (t < count) {
+    t += wide_stress(w->kernel, &view, t, count);
+    if (t < count) stress_triangle(w, t++);
   }
 }
 

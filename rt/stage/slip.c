@@ -122,7 +122,7 @@ vec3 slip_gap(const fray_world *w, const slip_pair *pair) {
 /* Twice the inverse mass, in whole crossings: 2 light, 1 whole, 0 held. */
 static int32_t ease_of(const fray_world *w, uint32_t p) {
   if (p < (uint32_t)w->params->held) return 0;
-  return couple_is_light(w, p) ? 2 : 1;
+  return world_has_yarns(w) && couple_is_light(w, p) ? 2 : 1; /* none without: self-collision */
 }
 
 typedef struct {

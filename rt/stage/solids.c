@@ -25,11 +25,13 @@ solid solid_at(const fray_world *w, uint32_t n) {
     t.m = mesh_at(w, n);
     t.body = (uint32_t)t.m.of->body;
     t.radius = 0;
+    t.sharp = world_has_blades(w) && (w->sharp >> n & 1u) != 0;
     t.around = t.m.boxes[0];
   } else {
     t.m = none;
     t.body = ball_of(w, n - meshes);
     t.radius = w->bodies[t.body].radius;
+    t.sharp = 0;
     for (uint32_t k = 0; k < 3; ++k) {
       t.around.low[k] = -t.radius;
       t.around.high[k] = t.radius;

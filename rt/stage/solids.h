@@ -18,6 +18,7 @@ enum {
 typedef struct {
   uint32_t body;
   int32_t radius;   /* of a ball, which is its middle with this around it; 0: a mesh */
+  int32_t sharp;    /* of a mesh: it cuts */
   mesh_parts m;     /* of a mesh */
   mesh_box around;
   vec3 before, now; /* where it stood and stands */
@@ -36,6 +37,13 @@ typedef struct {
 /* n below mesh_solids(): meshes first, each in the order of bodies. */
 solid solid_at(const fray_world *w, uint32_t n);
 int32_t solid_skin(const fray_world *w);
+/* What was cut lets blades through: triangles beside a cut, vertices that only such ones have. */
+static inline int solid_parts(const fray_world *w, const solid *t, uint32_t triangle) {
+  return t->sharp != 0 && sheet_is_parted(&w->sheet, triangle);
+}
+static inline int solid_passes(const fray_world *w, const solid *t, uint32_t p) {
+  return t->sharp != 0 && w->parted[p] != 0;
+}
 
 static inline sweep_point solid_way(const fray_world *w, const solid *t, uint32_t p) {
   const sweep_point went = {vec_sub(vec_make(w->sx[p], w->sy[p], w->sz[p]), t->before),

@@ -34,14 +34,26 @@ static inline int32_t spring_axis(int32_t d, int32_t pull, const spring_class *c
                        SPRING_DV_MAX);
 }
 
-/* Where |d| is at least the rest length, |d|^2 in coarse units is at least `idle`, which leaves three
- * units for the rounding of d and of R. Cores that measure exactly for less see that first. */
+/* Whether it does nothing, on cores that see it sooner than they work out what it does; what is not
+ * loose here may still be so below.
+ * Where |d| is at least the rest length, |d|^2 in coarse units is at least `idle`, which leaves three
+ * units for the rounding of d and of R: cores that sum squares in 64 bits measure exactly. For others d is
+ * rounded with halves up, so never to more than below; sums may wrap, where d is far beyond any rest
+ * length. Idle of a spring that acts both ways is the largest number. */
 static inline int spring_is_loose(const spring_view *s, uint32_t i, uint32_t j, const spring_class *c) {
 #if FX_LONG_ACCUMULATE
   if (c->compression_only == 0) return 0;
   const vec3 d = vec_make(fx_sub(s->x[j], s->x[i]), fx_sub(s->y[j], s->y[i]),
                           fx_sub(s->z[j], s->z[i]));
   return vec_squared(d) >= fx_square(c->rest);
+#elif FX_NARROW
+  const unsigned down = (unsigned)c->down;
+  const int32_t half = fx_wrap_shift(1, down - 1u);
+  const int32_t x = fx_asr(fx_wrap_add(fx_sub(s->x[j], s->x[i]), half), down);
+  const int32_t y = fx_asr(fx_wrap_add(fx_sub(s->y[j], s->y[i]), half), down);
+  const int32_t z = fx_asr(fx_wrap_add(fx_sub(s->z[j], s->z[i]), half), down);
+  const int32_t n = fx_wrap_add(fx_wrap_add(fx_wrap_mul(x, x), fx_wrap_mul(y, y)), fx_wrap_mul(z, z));
+  return n > c->idle;
 #else
   (void)s, (void)i, (void)j, (void)c;
   return 0;
@@ -72,48 +84,36 @@ static inline void push(const spring_view *s, uint32_t p, int32_t x, int32_t y, 
   s->vz[p] = fx_add(s->vz[p], z);
 }
 
-/* Out of the way of the rows between free particles, which are most. */
-__attribute__((noinline)) static void give_body(fray_world *w, uint32_t i, const vec3 *dv) {
-  body_gave(&w->motion[w->grip_body[i]], -(int64_t)dv->x, -(int64_t)dv->y, -(int64_t)dv->z);
-}
-
-static inline vec3 times(vec3 v, int32_t weight) {
-  return vec_make(v.x * weight, v.y * weight, v.z * weight);
-}
-
-/* A light end gains twice the velocity from the same impulse. */
-__attribute__((noinline)) static void run_light(fray_world *w, spring_view s, uint32_t row,
-                                                int32_t held) {
+/* Out of the way of the rows between free particles that both weigh a whole crossing, which are most. A
+ * light end gains twice the velocity from the same impulse; a held one gives it to the body. */
+__attribute__((noinline)) static void push_other(fray_world *w, uint32_t row, vec3 dv) {
+  const spring_view s = {w->x,  w->y,     w->z,     w->vx,        w->vy,
+                         w->vz, w->row_i, w->row_j, w->row_class, w->springs};
   const uint32_t kind = s.kind[row];
   const uint32_t i = s.i[row];
-  const uint32_t j = s.j[row];
-  vec3 dv;
-  if (!spring_impulse(&s, i, j, &s.classes[kind & ROW_CLASS], &dv)) return;
-  const vec3 of_i = times(dv, (kind & ROW_UP_I) != 0 ? 2 : 1);
-  const vec3 of_j = times(dv, (kind & ROW_UP_J) != 0 ? 2 : 1);
-  push(&s, j, -of_j.x, -of_j.y, -of_j.z);
-  if (held == BATCH_HELD)
-    give_body(w, i, &dv);
+  const int32_t of_i = (kind & ROW_UP_I) != 0 ? 2 : 1;
+  const int32_t of_j = (kind & ROW_UP_J) != 0 ? 2 : 1;
+  push(&s, s.j[row], -dv.x * of_j, -dv.y * of_j, -dv.z * of_j);
+  if (i < (uint32_t)w->params->held)
+    body_gave(&w->motion[w->grip_body[i]], -(int64_t)dv.x, -(int64_t)dv.y, -(int64_t)dv.z);
   else
-    push(&s, i, of_i.x, of_i.y, of_i.z);
+    push(&s, i, dv.x * of_i, dv.y * of_i, dv.z * of_i);
 }
 
 static void run_rows(fray_world *w, spring_view s, uint32_t first, uint32_t end, int32_t held) {
   for (uint32_t row = first; row < end; ++row) {
     const int32_t kind = (int8_t)s.kind[row];
-    if (kind <= ROW_DEAD) {
-      if (kind != ROW_DEAD) run_light(w, s, row, held);
-      continue;
-    }
+    if (kind == ROW_DEAD) continue;
     const uint32_t i = s.i[row];
     const uint32_t j = s.j[row];
     vec3 dv;
-    if (!spring_impulse(&s, i, j, &s.classes[kind], &dv)) continue;
+    if (!spring_impulse(&s, i, j, &s.classes[kind & ROW_CLASS], &dv)) continue;
+    if (kind < 0 || held == BATCH_HELD) {
+      push_other(w, row, dv);
+      continue;
+    }
     push(&s, j, -dv.x, -dv.y, -dv.z);
-    if (held == BATCH_HELD)
-      give_body(w, i, &dv);
-    else
-      push(&s, i, dv.x, dv.y, dv.z);
+    push(&s, i, dv.x, dv.y, dv.z);
   }
 }
 

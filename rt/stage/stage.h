@@ -13,8 +13,11 @@ void springs_run(fray_world *w);                          /* bend and shear */
 void collide_gather(fray_world *w);                       /* who may touch what in this tick */
 void stress_run(fray_world *w);                           /* of triangles */
 void rip_run(fray_world *w);                              /* triangle sheets tear */
+void slash_run(fray_world *w);                            /* blades cut them */
 void weigh_run(fray_world *w);                            /* what stress makes of their vertices */
 void blow_run(fray_world *w);                             /* loads and wind on them */
+
+void selves_begin(fray_world *w); /* before the first substep */
 
 /* Each substep. */
 void predict_run(fray_world *w, uint32_t substep);
@@ -34,6 +37,7 @@ void transition_run(fray_world *w); /* what is strained or comes apart wants to 
 void split_run(fray_world *w);      /* and is */
 void tear_run(fray_world *w); /* finds springs over their threshold */
 uint32_t tear_worst(const fray_world *w); /* of them, the farthest over: canonical id */
+void selves_run(fray_world *w); /* yarns that met on their ways through the tick are kept apart */
 void cut_run(fray_world *w);  /* cuts them and releases what hung on them */
 
 /* Parts of these stages, for ticks that several workers share (rt/share). Parts in their stage's

@@ -24,24 +24,64 @@ __attribute__((noinline)) static int ends_have_split(const fray_world *w, uint32
   return (i < held || couple_is_light(w, i)) && (j < held || couple_is_light(w, j));
 }
 
+/* What a class takes without a look at its draws, none of which is below tear_min. */
+#if FX_NO_LONG_MULTIPLY
+/* The square of a length in units of 2^LINK_SHIFT: with three components rounded down a way is less than
+ * two of them too short, so it is that much below. One that is not within 2^22 may be any. */
+typedef uint32_t tear_bound;
+static inline tear_bound bound_of(int32_t rest, int32_t strain) {
+  const uint32_t length = link_stretched(rest, strain) >> LINK_SHIFT;
+  const uint32_t known = length < LINK_HI_MAX ? length : LINK_HI_MAX;
+  return known < 2u ? 0 : (known - 2u) * (known - 2u);
+}
+static inline int is_within(vec3 d, tear_bound bound) {
+  const int32_t wide = fx_wrap_add(d.x, 1 << 22) | fx_wrap_add(d.y, 1 << 22) | fx_wrap_add(d.z, 1 << 22);
+  if ((uint32_t)wide >> 23 != 0) return 0;
+  const int32_t x = fx_asr(d.x, LINK_SHIFT);
+  const int32_t y = fx_asr(d.y, LINK_SHIFT);
+  const int32_t z = fx_asr(d.z, LINK_SHIFT);
+  return (uint32_t)(fx_mul(x, x) + fx_mul(y, y) + fx_mul(z, z)) <= bound;
+}
+#else
+typedef uint64_t tear_bound;
+static inline tear_bound bound_of(int32_t rest, int32_t strain) { return link_stretched_squared(rest, strain); }
+static inline int is_within(vec3 d, tear_bound bound) { return vec_squared(d) <= bound; }
+#endif
+
+enum { KIND_NONE = 256 }; /* a row's is a byte */
+
+/* Out of the way of rows of one kind, which follow one another. */
+__attribute__((noinline)) static tear_bound bound_of_kind(const fray_world *w, int32_t rest) {
+  return bound_of(rest, w->params->tear_min);
+}
+
+static inline void look_at(fray_world *w, uint32_t row, vec3 d, int32_t rest) {
+  const uint64_t n = vec_squared(d);
+  const uint64_t limit = link_stretched_squared(rest, world_threshold(w, row));
+  if (n <= limit || (world_has_yarns(w) && !ends_have_split(w, row))) return;
+  const cut found = {row, excess_over(n, limit)};
+  cuts_enlist(w, found);
+}
+
 void tear_part(fray_world *w, uint32_t first, uint32_t end) {
   const params *p = w->params;
   if (p->tearing == 0) return;
   const link_view view = {w->x, w->y, w->z, w->row_i, w->row_j, w->row_class, w->links,
                           w->capacity[POOL_LINK_CLASSES]};
+  uint32_t kind = KIND_NONE;
+  int32_t rest = 0;
+  tear_bound bound = 0;
   for (uint32_t row = first; row < end; ++row) {
     row = wide_over(w->kernel, view, p->tear_min, row, end);
     if (row == end) break;
-    const uint32_t kind = w->row_class[row];
-    if (kind == ROW_DEAD) continue;
-    const int32_t rest = w->links[kind & ROW_CLASS].rest;
-    const vec3 d = vec_sub(world_position(w, w->row_j[row]), world_position(w, w->row_i[row]));
-    const uint64_t n = vec_squared(d);
-    if (n <= link_stretched_squared(rest, p->tear_min)) continue; /* no draw is below tear_min */
-    const uint64_t limit = link_stretched_squared(rest, world_threshold(w, row));
-    if (n <= limit || (world_has_yarns(w) && !ends_have_split(w, row))) continue;
-    const cut found = {row, excess_over(n, limit)};
-    cuts_enlist(w, found);
+    if (view.kind[row] != kind) {
+      if (view.kind[row] == ROW_DEAD) continue;
+      kind = view.kind[row];
+      rest = view.classes[kind & ROW_CLASS].rest;
+      bound = bound_of_kind(w, rest);
+    }
+    const vec3 d = vec_sub(world_position(w, view.j[row]), world_position(w, view.i[row]));
+    if (!is_within(d, bound)) look_at(w, row, d, rest);
   }
   w->work.tear_tests += end - first;
   w->work.over += w->cut_count + w->cuts_waiting;

@@ -4,6 +4,7 @@
 #ifndef FRAY_WIDE_INNER_H
 #define FRAY_WIDE_INNER_H
 
+#include "rt/model/cloths.h"
 #include "rt/model/crease.h"
 #include "rt/model/inner.h"
 #include "rt/model/sheet.h"
@@ -24,6 +25,37 @@ typedef struct {
   inner_sum *sum;
   const crease *creases;
 } fold_view;
+
+/* Triangles once a tick (stresses.h, stage/pull.c). */
+typedef struct {
+  const int32_t *at[3]; /* vertices, Q24 lu */
+  const sheet_triangle *triangle;
+  const sheet_weights *weights;
+  const fabric *fabrics;
+  const uint8_t *cloth;
+  unsigned habit_shift;
+  int32_t steep;
+  habit *habits;
+  pull_row *row;
+  tensor *stress;
+} stress_view;
+
+/* Wind once a tick (blows.h, stage/blow.c). */
+typedef struct {
+  const int32_t *at[3], *speed[3]; /* vertices, Q24 lu, Q28 lu per substep */
+  const sheet_triangle *triangle;
+  const cloth_params *cloths;
+  inner_sum *sum;
+} blow_view;
+
+/* Creases once a tick (weighs.h, stage/crease.c). */
+typedef struct {
+  const int32_t *at[3]; /* vertices, Q24 lu */
+  const int32_t *u, *v; /* at rest */
+  const fabric *fabrics;
+  const cloth_params *cloths;
+  crease *creases;
+} weigh_view;
 
 typedef struct {
   inner_place *place;

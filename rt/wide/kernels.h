@@ -3,6 +3,7 @@
 #ifndef FRAY_WIDE_KERNELS_H
 #define FRAY_WIDE_KERNELS_H
 
+#include "rt/wide/blows.h"
 #include "rt/wide/digest.h"
 #include "rt/wide/folds.h"
 #include "rt/wide/lift.h"
@@ -12,6 +13,8 @@
 #include "rt/wide/push.h"
 #include "rt/wide/slides.h"
 #include "rt/wide/steps.h"
+#include "rt/wide/stresses.h"
+#include "rt/wide/weighs.h"
 
 #ifdef LANES_RULE_NOTHING_OUT
 #define near_any wide_maybe
@@ -25,6 +28,9 @@
 #define slides_run wide_none
 #define pulls_run wide_none
 #define folds_run wide_none
+#define weighs_run wide_none
+#define blows_run wide_none
+#define stresses_run wide_none
 #define inner_steps wide_none
 #endif
 

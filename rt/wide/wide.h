@@ -48,6 +48,13 @@
     pulls_run)                                                                                   \
   X(set, fold, (const fold_view *v, uint32_t first, uint32_t end), (v, first, end), wide_none,   \
     folds_run)                                                                                   \
+  /* triangles, creases first..end-1, once a tick */                                            \
+  X(set, stress, (const stress_view *v, uint32_t first, uint32_t end), (v, first, end),          \
+    wide_none, stresses_run)                                                                     \
+  X(set, blow, (const blow_view *v, uint32_t first, uint32_t end), (v, first, end), wide_none,   \
+    blows_run)                                                                                   \
+  X(set, weigh, (const weigh_view *v, uint32_t first, uint32_t end), (v, first, end), wide_none, \
+    weighs_run)                                                                                  \
   X(set, inner, (const inner_view *v, uint32_t first, uint32_t end), (v, first, end), wide_none, \
     inner_steps)                                                                                 \
   X(set, hash_words, (hash * h, const int32_t *const *words, uint32_t count), (h, words, count), \

@@ -183,7 +183,7 @@ codec_reason codec_decode_tear(const frame *f, uint32_t instance, codec_tear *ou
   const codec_reason reason = codec_check(f, MESSAGE_TEAR, instance);
   if (reason != CODEC_OK) return reason;
   if (f->data[1] != 0) return CODEC_RESERVED;
-  if (f->data[0] != CODEC_TEAR_STRUCTURAL && f->data[0] != CODEC_TEAR_TRIANGLES) return CODEC_FIELD;
+  if (f->data[0] < CODEC_TEAR_STRUCTURAL || f->data[0] > CODEC_TEAR_CUT) return CODEC_FIELD;
   out->kind = f->data[0];
   out->more = bytes_load16(f->data + 2);
   out->element = bytes_load32(f->data + 4);

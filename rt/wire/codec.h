@@ -56,9 +56,10 @@ typedef struct {
   uint32_t tick;           /* the tick that took the COMMAND */
 } codec_ack;
 
-enum { CODEC_TEAR_STRUCTURAL = 1, CODEC_TEAR_TRIANGLES = 2 };
+enum { CODEC_TEAR_STRUCTURAL = 1, CODEC_TEAR_TRIANGLES = 2, CODEC_TEAR_CUT = 3 };
 typedef struct {
-  uint8_t kind;     /* CODEC_TEAR_STRUCTURAL: a structural spring was cut; _TRIANGLES: a triangle sheet tore */
+  uint8_t kind;     /* CODEC_TEAR_STRUCTURAL: a structural spring was cut; _TRIANGLES: a triangle sheet
+                       tore; _CUT: a blade cut it */
   uint16_t more;    /* how many more in this tick, 65535: that many or more */
   uint32_t element; /* canonical id of the spring, see fray_sheet; the vertex where the sheet tore */
 } codec_tear;

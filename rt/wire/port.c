@@ -191,8 +191,10 @@ uint32_t port_encode(port_sender *s, const fray_output *output, frame frames[POR
     count += 1;
   }
   if (output->work.cuts > 0) {
-    /* only triangle sheets try lines, and none tears without */
-    const uint8_t kind = output->work.lines != 0 ? CODEC_TEAR_TRIANGLES : CODEC_TEAR_STRUCTURAL;
+    /* the first one's: tears come before cuts; only triangle sheets try lines, and none tears without */
+    const uint8_t kind = output->work.slashes == output->work.cuts ? CODEC_TEAR_CUT
+                         : output->work.lines != 0                 ? CODEC_TEAR_TRIANGLES
+                                                                   : CODEC_TEAR_STRUCTURAL;
     const codec_tear tear = {kind, port_saturate16(output->work.cuts - 1), output->cut_first};
     codec_encode_tear(&frames[count], s->instance, &tear);
     count += 1;

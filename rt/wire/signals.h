@@ -56,7 +56,8 @@ static const signals_value SIGNALS_STATES[] = {{0, "INIT"},
                                                {FRAY_SAFE, "SAFE"},
                                                {0, 0}};
 static const signals_value SIGNALS_KINDS[] = {
-    {CODEC_TEAR_STRUCTURAL, "STRUCTURAL"}, {CODEC_TEAR_TRIANGLES, "TRIANGLES"}, {0, 0}};
+    {CODEC_TEAR_STRUCTURAL, "STRUCTURAL"}, {CODEC_TEAR_TRIANGLES, "TRIANGLES"},
+    {CODEC_TEAR_CUT, "CUT"}, {0, 0}};
 static const signals_value SIGNALS_FAULTS[6][3] = {
     {{0, "OK"}, {1, "STALE_LEFT"}, {0, 0}},    {{0, "OK"}, {1, "STALE_RIGHT"}, {0, 0}},
     {{0, "OK"}, {1, "CONTACTS_FULL"}, {0, 0}}, {{0, "OK"}, {1, "CUTS_WAIT"}, {0, 0}},
@@ -103,9 +104,9 @@ static const signals_signal SIGNALS_FORCE[] = {
     SIGNALS_END};
 
 static const signals_signal SIGNALS_TEAR[] = {
-    {"Kind", 0, 8, 0, 1000, "", 1, 2, SIGNALS_KINDS, 0},
+    {"Kind", 0, 8, 0, 1000, "", 1, 3, SIGNALS_KINDS, 0},
     SIGNALS_PLAIN("More", 16, 16, 0, "How many more in this tick, saturated."),
-    SIGNALS_PLAIN("Element", 32, 32, 0, "Canonical number of the structural spring, or the vertex where triangles tore."),
+    SIGNALS_PLAIN("Element", 32, 32, 0, "Canonical number of the structural spring, or the vertex where triangles tore or were cut."),
     SIGNALS_END};
 
 static const signals_signal SIGNALS_STATUS[] = {
@@ -118,7 +119,7 @@ static const signals_signal SIGNALS_STATUS[] = {
     SIGNALS_PLAIN("LeftWorld", 20, 1, SIGNALS_FAULTS[4], 0),
     SIGNALS_PLAIN("Halted", 21, 1, SIGNALS_FAULTS[5], 0),
     SIGNALS_PLAIN("Overruns", 32, 16, 0, "Ticks that came late, saturated."),
-    SIGNALS_PLAIN("Tears", 48, 16, 0, "Springs cut and tears of triangle sheets in all, saturated."),
+    SIGNALS_PLAIN("Tears", 48, 16, 0, "Springs cut, tears and cuts of triangle sheets in all, saturated."),
     SIGNALS_END};
 
 static const signals_signal SIGNALS_TAG[] = {
@@ -156,7 +157,7 @@ static const signals_message SIGNALS[MESSAGES] = {
                              "Force on the right hand, in every tick. Its counter is the tick, "
                              "modulo 16."},
     [MESSAGE_TEAR] = {"TEAR", "Runtime", "Device,Operator", SIGNALS_TEAR,
-                      "Springs were cut, or a triangle sheet tore, in a tick: the first one, and how many more. At most one a "
+                      "Springs were cut, or a triangle sheet tore or was cut, in a tick: the first one, and how many more. At most one a "
                       "tick."},
     [MESSAGE_STATUS] = {"STATUS", "Runtime", "Device,Operator", SIGNALS_STATUS,
                         "On a change of state or faults, and at 10 Hz."},

@@ -3,7 +3,7 @@
 #   CC AR NM OBJDUMP OPT EXTRA   to build with
 #   RUN                          in front of a program of that machine
 #   MACHINE IS_BARE              its name, bits and byte order; no operating system
-#   CASES LIMITS                 all, or tiny: what fits; options that say how much memory and time
+#   CASES LIMITS                 all, most or tiny: what fits; options that say how much memory and time
 #   RESTORED                     how often the second run is saved and opened again
 #   KERNEL                       the wide kernel that the replay must use, if any
 #   TOOLS, PACKAGES              what it takes, and where Debian has it
@@ -47,10 +47,11 @@ config_bare() {
     *) MACHINE="cortex-$1 32 little" ;;
   esac
   IS_BARE=yes
+  if [ "$1" = m55 ]; then CASES=most; fi # 512 KiB of flash
   # 16 KiB of RAM, 2 of them the stack, too few for triangle sheets: one image is saved, once, and its world runs from there
   if [ "$1" = microbit ]; then
     CASES=tiny RESTORED=once
-    LIMITS="-DFRAY_TRIANGLES=0 -DCROSS_MEMORY=5632 -DCROSS_SAVED=7424 -DCROSS_SAVED_IMAGES=1"
+    LIMITS="-DFRAY_TRIANGLES=0 -DCROSS_MEMORY=5760 -DCROSS_SAVED=7424 -DCROSS_SAVED_IMAGES=1"
     EXTRA="$EXTRA -DFRAY_TRIANGLES=0"
   fi
 }

@@ -22,7 +22,7 @@ suite_end() {
 }
 
 # The compiler's options and this suite's must not meet those of the make that called it.
-suite_make() { MAKEFLAGS='' MFLAGS='' "${MAKE_COMMAND:-make}" --no-print-directory -s "$@" >/dev/null; }
+suite_make() { MAKEFLAGS='' MFLAGS='' "${MAKE_COMMAND:-make}" -j "${JOBS:-2}" --no-print-directory -s "$@" >/dev/null; }
 
 have() { command -v "$1" >/dev/null 2>&1; }
 

@@ -154,7 +154,11 @@ FIXTURE int fixture_within(const fray_work *k, const fray_work *most) {
          k->over <= most->over && k->cuts <= most->cuts && k->slips <= most->slips &&
          k->stretches <= most->stretches &&
          k->transitions <= most->transitions && k->splits <= most->splits &&
-         k->lines <= most->lines && k->pulls <= most->pulls && k->folds <= most->folds;
+         k->lines <= most->lines && k->pulls <= most->pulls && k->folds <= most->folds &&
+         k->self_visits <= most->self_visits && k->self_pairs <= most->self_pairs &&
+         k->self_sweeps <= most->self_sweeps && k->self_stops <= most->self_stops &&
+         k->mesh_tests <= most->mesh_tests && k->mesh_boxes <= most->mesh_boxes &&
+         k->mesh_sweeps <= most->mesh_sweeps && k->mesh_stops <= most->mesh_stops && k->slashes <= most->slashes;
 }
 
 FIXTURE fray_output fixture_tick(fixture *f, const fray_input *input) {

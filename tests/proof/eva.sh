@@ -13,7 +13,7 @@ square='-DWARPS=3 -DWEFTS=3 -DSPARE=2 -DHELD=2 -DLINK_BATCHES=2 -DBEND_BATCHES=1
 long='-DWARPS=2 -DWEFTS=4 -DSPARE=0 -DHELD=3 -DLINK_BATCHES=2 -DBEND_BATCHES=1 -DSHEAR_BATCHES=1 -DKEYS=1'
 
 # Where states are kept apart: in what refuses by return, and nowhere that a loop would double them.
-header='headers:50,directories:50,loads_of:100,store_shape:100,load:100,fray_open:100,readable_in_place:10,read_header:1000,read_mesh_words:50,check_directory:200'
+header='headers:50,directories:50,loads_of:100,store_shape:100,load:100,fray_open:100,readable_in_place:10,read_header:1000,read_directory:50,check_directory:200'
 values='worlds:1000,validate:1000,image_validate:5000,words_in_range:400,counts_fit:100,link_classes_good:50,spring_classes_good:50,body_good:100,body_sizes_good:100,place_good:50,orthonormal:200,keys_good:50,bodies_good:2000,meshes_good:50,particles_good:500,crossings_good:100,ids_good:300,batches_good:50,homes_good:100,row_is_at_home:30,weave_ends:20'
 port='port_read_command:20,port_read_pose:20,port_accept_pose:20,sequence_take:20,codec_read_pose:5,codec_read_command:5,port_take:0'
 
@@ -28,7 +28,7 @@ options_of() { # FILE MAIN: sets files, options
       options='-eva-precision 3 -eva-auto-loop-unroll 4096 -eva-widening-delay 20 -eva-split-return full -eva-slevel 100' ;;
     eva_image-*)
       files='rt/base/*.c'
-      options="-eva-precision 0 -eva-split-return auto -eva-auto-loop-unroll 8192 -eva-min-loop-unroll 96 -eva-split-return-function readable_in_place:0:1,read_mesh_words:0 -eva-slevel 0 -eva-slevel-function $header" ;;
+      options="-eva-precision 0 -eva-split-return auto -eva-auto-loop-unroll 8192 -eva-min-loop-unroll 96 -eva-split-return-function readable_in_place:0:1,read_directory:0 -eva-slevel 0 -eva-slevel-function $header" ;;
     eva_validate-*)
       files='rt/model/image.c rt/model/view.c rt/model/weave.c rt/model/world.c rt/model/couples.c rt/base/*.c'
       options="-eva-precision 0 -eva-split-return auto -eva-auto-loop-unroll 100 -eva-min-loop-unroll 64 -eva-slevel 0 -inline-calls weave_link_at -eva-slevel-function $values" ;;
@@ -98,6 +98,8 @@ prove 'image: any header, no unsigned sum wraps' headers eva_image headers gcc_x
 prove 'image: any header, any directory' directories eva_image directories gcc_x86_64 ''
 prove 'image: any bytes to memory, and saved again' loads eva_image loads gcc_x86_64 ''
 prove 'image: any bytes with meshes, and saved again' meshes eva_image loads_meshes gcc_x86_64 ''
+prove 'image: any bytes with self-collision, saved again' selves eva_image loads_selves gcc_x86_64 ''
+prove 'image: any bytes with blades, and saved again' blades eva_image loads_blades gcc_x86_64 ''
 prove 'world: any scalars' counts eva_validate counts gcc_x86_64 "$small"
 prove 'world: any values, 2 x 2' worlds22 eva_validate worlds gcc_x86_64 "$small"
 prove 'world: any values, 2 x 4' worlds24 eva_validate worlds gcc_x86_64 "$long"

@@ -41,7 +41,7 @@ void decodes(void) {
     /*@ assert ack.command_counter <= 15 && ack.verb != 0 && ack.result <= 2; */
   }
   if (codec_decode_tear(&f, instance, &tear) == CODEC_OK) {
-    /*@ assert tear.kind == CODEC_TEAR_STRUCTURAL || tear.kind == CODEC_TEAR_TRIANGLES; */
+    /*@ assert tear.kind >= CODEC_TEAR_STRUCTURAL && tear.kind <= CODEC_TEAR_CUT; */
   }
   if (codec_decode_status(&f, instance, &status) == CODEC_OK) {
     /*@ assert status.state <= 3 && status.fill_percent <= 100; */

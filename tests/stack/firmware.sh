@@ -25,7 +25,7 @@ firmware() { # NAME OPT [WHAT]
   case ${3:-woven} in
     woven) set -- "$1" "$2" -DFRAY_TRIANGLES=0 ;;
     sheets) set -- "$1" "$2" -DFRAY_MESHES=0 ;;
-    meshes) set -- "$1" "$2" -Wl,--defsym=code_max=128K ;;
+    meshes) set -- "$1" "$2" -Wl,--defsym=code_max=192K ;;
   esac
   sh tests/target/target.sh build "$1" "$2" "$stack_work/$1-$2.elf" tests/stack/firmware.c \
     "$stack_work/cases.c" platform/loop.c rt/*/*.c -fcallgraph-info=su,da "$3"

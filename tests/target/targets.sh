@@ -14,7 +14,7 @@ mkdir -p "$work"
 firmwares() {
   all=$($target list)
   echo "small tests/scenes/small.scene tests/cross/small.hand 5504 $all"
-  echo "sixteen tests/target/sixteen.scene tests/cross/small.hand 18560 ${all% microbit}"
+  echo "sixteen tests/target/sixteen.scene tests/cross/small.hand 18688 ${all% microbit}"
   echo "minute tests/target/minute.scene tests/target/minute.hand 5504 m3 rv32"
 }
 

@@ -122,7 +122,12 @@ static void tear_and_status_frames(void) {
   check_frame(&f, 0x200, "0200000005000000");
   CHECK_EQ_INT(codec_decode_tear(&f, 0, &tear), CODEC_OK);
   CHECK_EQ_INT(tear.kind, CODEC_TEAR_TRIANGLES);
-  f.data[0] = 3;
+  const codec_tear slashed = {CODEC_TEAR_CUT, 2, 6};
+  codec_encode_tear(&f, 0, &slashed);
+  check_frame(&f, 0x200, "0300020006000000");
+  CHECK_EQ_INT(codec_decode_tear(&f, 0, &tear), CODEC_OK);
+  CHECK_EQ_INT(tear.kind, CODEC_TEAR_CUT);
+  f.data[0] = 4;
   CHECK_EQ_INT(codec_decode_tear(&f, 0, &tear), CODEC_FIELD);
   codec_encode_tear(&f, 0, &cut);
   CHECK_EQ_INT(codec_decode_tear(&f, 0, &tear), CODEC_OK);
@@ -183,7 +188,7 @@ static void refused_fields(void) {
   CHECK_EQ_INT(codec_decode_ack(&result, 0, &ack), CODEC_FIELD);
   frame f = {0x200, 0, 0, 0, 0, 8, {1, 1, 0, 0, 0, 0, 0, 0}};
   CHECK_EQ_INT(codec_decode_tear(&f, 0, &tear), CODEC_RESERVED);
-  f.data[0] = 3;
+  f.data[0] = 4;
   f.data[1] = 0;
   CHECK_EQ_INT(codec_decode_tear(&f, 0, &tear), CODEC_FIELD);
   f.id = 0x701;

@@ -348,6 +348,7 @@ static void names_of_values(void) {
   values(FRAY_RESULT_UNKNOWN, "VAL_ 17 ACK_Result", "UNKNOWN");
   values(CODEC_TEAR_STRUCTURAL, "VAL_ 512 TEAR_Kind", "STRUCTURAL");
   values(CODEC_TEAR_TRIANGLES, "VAL_ 512 TEAR_Kind", "TRIANGLES");
+  values(CODEC_TEAR_CUT, "VAL_ 512 TEAR_Kind", "CUT");
   values(0, "VAL_ 1793 STATUS_State", "INIT");
   values(FRAY_READY, "VAL_ 1793 STATUS_State", "READY");
   values(FRAY_OPERATIONAL, "VAL_ 1793 STATUS_State", "OPERATIONAL");

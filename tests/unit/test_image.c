@@ -30,7 +30,7 @@ static const char STRETCHED[] =
     "ball a { radius 0.05 cm at 0.16 -0.12 0 cm move hand right grip 0.01 cm }\n"
     "limits { contacts 12 cuts_per_tick 2 spare_particles 6 splits_per_tick 3 }\n";
 
-enum { SECTIONS = 27, SECTION_LAST = 35, MEMORY_MAX = 1 << 22, SECOND_OF = 1 };
+enum { SECTIONS = 27, SECTION_LAST = IMAGE_BLADES, MEMORY_MAX = 1 << 22, SECOND_OF = 1 };
 
 static uint8_t *image;
 static size_t image_bytes;
@@ -236,7 +236,7 @@ static void no_capacities_overflow(void) {
                                        LIMIT_KEYS,
                                        LIMIT_CONTACTS,
                                        LIMIT_CUTS};
-  for (uint32_t p = 0; p < POOLS; ++p)
+  for (uint32_t p = 0; p < POOLS_IN_HEADER; ++p)
     bytes_store32(copy + 4 * (IMAGE_CAPACITY_WORD + p), most[p]);
   bytes_store32(copy + 4 * IMAGE_FEATURES_WORD, 0);
   mend(copy, image_bytes);

@@ -180,7 +180,7 @@ static void damaged_frames(void) {
   refused(2, "(1.000000) vcan0 080#000000", 2, "SYNC has a wrong length");
   refused(3, "(1.000100) vcan0 181#E510000000000000", 3, "FORCE has a wrong CRC");
   refused(8, "(1.001050) vcan0 011#2211010001000000", 8, "ACK has a wrong CRC");
-  refused(10, "(1.001200) vcan0 200#0300020005000000", 10, "TEAR has a field outside its range");
+  refused(10, "(1.001200) vcan0 200#0400020005000000", 10, "TEAR has a field outside its range");
   refused(5, "(1.000300) vcan0 101#0003020000000000", 9,
           "tick 1 consumed a POSE left with counter 3, which is not in the log");
 }

@@ -254,7 +254,7 @@ static void names_what_is_wrong(void) {
               "found '1e18', expected -100000 to 100000 cm/s2 for 'gravity'");
   check_fails(START "limits { contact 3 }\n", 3, 10,
               "found 'contact', expected a key of limits: spare_particles, spare_triangles, contacts, "
-              "cuts_per_tick, splits_per_tick");
+              "cuts_per_tick, splits_per_tick, self_pairs");
   check_fails(START "speed 3\n", 3, 1,
               "found 'speed', expected a key of the scene: scene, rate, substeps, sweeps, "
               "gravity, seed, settle, rest_strain, wind, sheet, triangles, material, load, ball, box, "
@@ -299,7 +299,7 @@ static void checks_the_sheet(void) {
               "wefts, spacing, weave, density, thickness, structural, bend, shear, tear, at, "
               "plane, gather, pleats, drag, damping, yarns, transition, loose, crimp, "
               "stretch, stretch_damping, loose_by, "
-              "slip_grip, slip_friction");
+              "slip_grip, self_collision, self_thickness, slip_friction");
 }
 
 static void reads_yarns(void) {

@@ -36,12 +36,14 @@ static sheet_result split(fray_world *w, const act *a) {
   return sheet_split(w, a->at, &from, &to, SHEET_TORN);
 }
 
+static sheet_lips lips; /* of the last cut */
+
 static sheet_result perform(fray_world *w, const act *a) {
   uint32_t born;
   if (a->kind < 4) return split(w, a);
   if (a->kind == 4) return sheet_open_side(w, a->at, a->k, SHEET_CUT);
-  if (a->kind == 5) return sheet_cut_side(w, a->at, a->k, a->share, a->du, a->dv);
-  if (a->kind == 6) return sheet_cut_triangle(w, a->at, a->share, a->share1, a->du, a->dv);
+  if (a->kind == 5) return sheet_cut_side(w, a->at, a->k, a->share, a->du, a->dv, &lips);
+  if (a->kind == 6) return sheet_cut_triangle(w, a->at, a->share, a->share1, a->du, a->dv, &lips);
   return a->share % 2 == 0 ? sheet_divide_side(w, a->at, a->k, a->share, &born)
                            : sheet_divide_triangle(w, a->at, a->share, a->share1, &born);
 }
@@ -222,7 +224,7 @@ static void a_point_opens_three_sides(void) {
   bare_sheet b;
   fray_world *w = open_small(&b, BARE_REGULAR);
   const uint32_t t = 2 * (2 * WIDE + 2), first = w->particles;
-  CHECK_EQ_INT(sheet_cut_triangle(w, t, SHEET_SHARE / 3, SHEET_SHARE / 3, 1 << 20, 0), SHEET_DONE);
+  CHECK_EQ_INT(sheet_cut_triangle(w, t, SHEET_SHARE / 3, SHEET_SHARE / 3, 1 << 20, 0, &lips), SHEET_DONE);
   CHECK_EQ_INT(w->sheet.state->triangles, 2 * WIDE * HIGH + 2);
   CHECK_EQ_INT(w->particles, first + 3);
   CHECK_EQ_INT(pieces(w, first), 3);
@@ -240,14 +242,14 @@ static void an_edge_opens_its_way(void) {
   const uint32_t apex = w->sheet.triangle[t].v[k];
   const uint32_t far = w->sheet.triangle[t + 1].v[sheet_back(&w->sheet, t, k)];
   const int32_t du = w->sheet.u[far] - w->sheet.u[apex], dv = w->sheet.v[far] - w->sheet.v[apex];
-  CHECK_EQ_INT(sheet_cut_side(w, t, k, SHEET_SHARE / 2, du, dv), SHEET_DONE);
+  CHECK_EQ_INT(sheet_cut_side(w, t, k, SHEET_SHARE / 2, du, dv, &lips), SHEET_DONE);
   CHECK_EQ_INT(w->sheet.state->triangles, 2 * WIDE * HIGH + 2);
   CHECK_EQ_INT(w->particles, first + 2);
   CHECK_EQ_INT(pieces(w, first), 2);
   CHECK_EQ_INT(marked(w, SHEET_CUT), 4);
   CHECK(sheet_is_open(&w->sheet, apex) && sheet_is_open(&w->sheet, far));
   /* near its end it is the end that is split */
-  CHECK_EQ_INT(sheet_cut_side(w, 0, 0, SHEET_SHARE - 100, 1 << 20, 0), SHEET_DONE);
+  CHECK_EQ_INT(sheet_cut_side(w, 0, 0, SHEET_SHARE - 100, 1 << 20, 0, &lips), SHEET_DONE);
   CHECK_EQ_INT(w->sheet.state->triangles, 2 * WIDE * HIGH + 2);
   bare_close(&b);
 }

@@ -3,8 +3,8 @@
 # of each case's tick: bound[case], bound[case, stage]; event_bound[case] is the part for contacts,
 # cuts, splits and the list of springs to cut, without the tests for tearing, which are test_part[case].
 function stages(    n, list) {
-  n = split("fray_tick devices_run damp_run springs_run stress_run rip_run weigh_run blow_run " \
-            "collide_gather predict_run strain_run limit_run slip_run collide_run meshes_begin meshes_run transition_run " \
+  n = split("fray_tick devices_run damp_run springs_run stress_run rip_run slash_run weigh_run blow_run " \
+            "collide_gather predict_run strain_run limit_run slip_run collide_run meshes_begin meshes_run selves_begin selves_run transition_run " \
             "split_run tear_run cut_run finish_run force_run report_run", list, " ")
   for (k = 1; k <= n; k++) name[k] = list[k]
   return n
@@ -27,7 +27,7 @@ function rounds(what) {
   # a light and a whole end: a spare particle makes two light ones, of two links along each yarn
   if (what == "light_links") return least(4 * spares * sweeps * substeps, most["projections"] - held_projections)
   # of four bend springs, and four diagonals twice
-  if (what == "light_springs") return least(12 * spares, most["springs"])
+  if (what == "other_springs") return springs_held + least(12 * spares, most["springs"] - springs_held)
   if (what == "weighings") return yarns * damping
   if (what == "weighed") return yarns * damping * (particles - held)
   if (what == "axis_weighed") return 6 * yarns * damping * (particles - held)
@@ -59,18 +59,23 @@ function rounds(what) {
   if (what == "axis_dragged") return drag ? 3 * (particles - held) : 0
   if (what == "strong_springs") return strong ? most["springs"] : 0
   if (what == "dampings") return damping
-  if (what == "springs_held") return springs_held
+  # a link that is cut takes its kind out of the row of kinds, one that is split may be of any
+  if (what == "kind_changes") return yarns ? most["tear_tests"] : kind_changes
   if (what == "paths") return paths
   if (what == "once") return hands
   if (what == "mirrored") return mirrored ? most["tear_tests"] : 0
   if (what == "keys") return keys
+  # a lane's words by two; what is left of it is a part of its loop over lanes
+  if (what == "hash_pairs") return rounds("hash_words") / 2
+  if (what == "hash_byte_pairs") return 3 * particles / 2
   if (what == "hash_words") return 6 * particles + 40 + 12 * bodies + 5 * yarns + (triangles ? 13 + 6 * triangles : 0)
-  if (what == "hash_bytes") return 3 * particles
   if (what == "zeroed") return cleared_bytes + motion_bytes * bodies + (triangles ? 32 * particles : 0)
   if (what == "zeroed_words") return (cleared_bytes + motion_bytes * bodies) / 4 + 64 + (triangles ? 8 * particles : 0)
-  if (what == "rise_steps") return most["cuts"] * depth
-  if (what == "sink_steps") return most["tear_tests"] * depth
+  # the n-th that enters a heap rises by log2 n at most; once that is full one sinks between two below it
+  if (what == "rise_steps") return rises
+  if (what == "sink_steps") return (most["tear_tests"] > cuts_max ? most["tear_tests"] - cuts_max : 0) * depth
   if (what == "triangles") return triangles
+  if (what == "creases") return triangles * 3 / 2
   if (what == "limit_triangles") return triangles * substeps
   if (what == "load_triangles") return 4 * triangles
   if (what == "cloths") return cloths
@@ -107,12 +112,12 @@ $1 == "limits" {
   cleared_bytes = $23; motion_bytes = $24
   yarns = $37; spares = $38; slips = $39; splits = $40; all_yarn = $41
   warps = $3; wefts = $42; stretches = $43; inner_steps = $44; crossings = $3 * $42; particles += spares
-  triangles = $45; sheet_inner = $46; folds = $47; cloths = $48
+  triangles = $45; sheet_inner = $46; folds = $47; cloths = $48; kind_changes = $49
   most["predictions"] = $25; most["projections"] = $26; most["springs"] = $27; most["contacts"] = $28
   most["gathers"] = $29; most["tear_tests"] = $30; most["cuts"] = $32
   if (triangles != 0) most["tear_tests"] = most["cuts"] = 0 # those of rows
-  depth = 0
-  for (room = 2; room <= cuts_max; room *= 2) depth++
+  depth = rises = 0
+  for (room = 2; room <= cuts_max; room *= 2) { depth += room < cuts_max; rises += cuts_max - room + 1 }
   for (k = 1; k <= stage_count; k++) bound[scene, name[k]] = fixed[name[k]] * times(name[k])
   event_bound[scene] = fixed["cut_run"] + fixed["split_run"]
   for (k = 1; k <= loops; k++) {

@@ -19,6 +19,17 @@ static inline uint32_t limits_strong_springs(const fray_world *w) {
     if (w->springs[n].shift < 25) return 1;
   return 0;
 }
+/* How often the kind of living links changes, in their order. */
+static inline uint32_t limits_kind_changes(const fray_world *w) {
+  uint32_t changes = 0;
+  uint32_t kind = ROW_DEAD;
+  for (uint32_t row = 0; row < (uint32_t)w->params->links; ++row) {
+    if (w->row_class[row] == ROW_DEAD || w->row_class[row] == kind) continue;
+    kind = w->row_class[row];
+    ++changes;
+  }
+  return changes;
+}
 
 static inline void limits_print(const char *name, const fray_world *w) {
   const params *p = w->params;
@@ -56,7 +67,7 @@ static inline void limits_print(const char *name, const fray_world *w) {
                             world_has_stretch(w) ? 1u << (uint32_t)w->stretch->steps_bits : 0,
                             sheet != 0 ? w->capacity[POOL_TRIANGLES] : 0, inner,
                             every != 0 ? (inner + every - 1u) / every : 0,
-                            sheet != 0 ? (uint32_t)w->sheet.params->cloths : 0};
+                            sheet != 0 ? (uint32_t)w->sheet.params->cloths : 0, limits_kind_changes(w)};
   for (uint32_t m = 0; m < sizeof words / sizeof words[0]; ++m) line_number(&l, words[m]);
   print_line(&l);
 }

@@ -72,9 +72,11 @@ static void plan_capacity(const draft *d, uint32_t capacity[POOLS]) {
   capacity[POOL_CONTACTS] = s->limits.has_contacts ? s->limits.contacts : d->crossings;
   capacity[POOL_CUTS] = s->limits.cuts_per_tick;
   capacity[POOL_MESH_WORDS] = draft_mesh_words(d);
+  capacity[POOL_BLADES] = 0;
   capacity[POOL_SPLITS] = s->sheet.yarns != 0 ? s->limits.splits_per_tick : 0;
   capacity[POOL_STRETCH] = scene_has_stretch(s) ? capacity[POOL_LINK_CLASSES] : 0;
   capacity[POOL_TRIANGLES] = 0;
+  capacity[POOL_PAIRS] = s->sheet.selves ? s->limits.self_pairs : 0;
 }
 
 static void fill_particles(const draft *d, fray_world *w) {
@@ -214,6 +216,7 @@ static int fill(draft *d, void **memory, fray_world **world) {
       !draft_stretch(d, w->links, WRITABLE(stretch_params, w->stretch), WRITABLE(stretch_class, w->pulls),
                      WRITABLE(link_class, w->limits), capacity[POOL_STRETCH]))
     return 0;
+  if (world_has_selves(w) && !draft_selves(d, WRITABLE(selves_params, w->selves))) return 0;
   w->particles = d->crossings;
   return draft_mesh_apart(d, w) && fill_yarns(d, w) && draft_slits(d, w);
 }

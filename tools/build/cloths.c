@@ -133,6 +133,15 @@ static int fill_toughness(const draft *d, toughness *t) {
                     LIMIT_RELAX, &t->relax);
 }
 
+/* cm/s to lu a tick */
+static int fill_blades(const draft *d, blade_params *b) {
+  const fabric_draft *from = &d->scene->triangles.cloth;
+  const exact a_tick = exact_div(exact_mul(from->cut, d->lu_per_cm), exact_make((int64_t)d->scene->rate_hz, 1));
+  for (uint32_t n = 1; n < BLADE_CLOTHS; ++n) b->speed[n] = BLADE_NEVER;
+  b->cuts_max = (int32_t)d->scene->limits.cuts_per_tick;
+  return draft_word(d, "cut", a_tick, 24, 0, BLADE_SPEED_MAX, &b->speed[0]);
+}
+
 /* value = mantissa * 2^-shift, with 31 bits. */
 static int mantissa_of(const draft *d, const char *key, exact value, unsigned least, unsigned most,
                        int32_t *mantissa, int32_t *shift) {
@@ -273,7 +282,8 @@ int draft_cloths(draft *d, fray_world *w) {
                         "squares, or another seed");
   if (!find_steps(d, edge) || !find_bending(d, edge, c, &share)) return 0;
   if (!fill_fabric(d, WRITABLE(fabric, w->fabrics)) ||
-      !fill_toughness(d, WRITABLE(toughness, w->toughnesses)))
+      !fill_toughness(d, WRITABLE(toughness, w->toughnesses)) ||
+      (world_has_blades(w) && !fill_blades(d, WRITABLE(blade_params, w->blades))))
     return 0;
   c->inner = (int32_t)d->inner;
   const exact cell = exact_mul(exact_mul(s->triangles.edge[0], d->lu_per_cm),

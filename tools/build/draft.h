@@ -86,6 +86,7 @@ int draft_rows(draft *d);
 int draft_params(const draft *d, params *p);
 int draft_classes(const draft *d, link_class *links, spring_class *springs);
 int draft_yarns(const draft *d, yarn_params *y);
+int draft_selves(const draft *d, selves_params *k);
 int draft_slits(const draft *d, fray_world *w);
 int draft_stretch(const draft *d, const link_class *links, stretch_params *p, stretch_class *pulls,
                   link_class *limits, uint32_t classes);

@@ -94,6 +94,8 @@ static void take_measured(const fabric_facts *facts, fabric_draft *f) {
 void fabrics_never_tear(fabric_draft *f) {
   for (uint32_t n = 0; n < TOUGHNESS_DIRECTIONS; ++n) f->strength[n] = exact_make(0, 1);
   f->relax = exact_make(0, 1);
+  f->is_cut = 0;
+  f->cut = exact_make(0, 1);
 }
 
 int fabrics_find(const char *name, fabric_draft *f) {

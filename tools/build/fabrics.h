@@ -30,6 +30,8 @@ typedef struct {
   exact bend[FABRIC_BENDS][FABRIC_CURVES];
   exact strength[TOUGHNESS_DIRECTIONS]; /* 0: it never tears */
   exact relax;                          /* s */
+  int is_cut;                           /* by blades ... */
+  exact cut;                            /* ... that come as fast, cm/s */
 } fabric_draft;
 
 void fabrics_never_tear(fabric_draft *f);

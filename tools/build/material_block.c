@@ -80,8 +80,16 @@ static int read_tear(parser *p, const block_key *key, void *target) {
   return 1;
 }
 
+/* cut 0.5 m/s: blades that come as fast, or faster */
+static int read_cut(parser *p, const block_key *key, void *target) {
+  fabric_draft *cloth = &((scene_material *)target)->cloth;
+  cloth->is_cut = 1;
+  return value_read_exacts(p, &key->range, 1, &cloth->cut);
+}
+
 static const block_key keys[] = {
     {"tear", read_tear, 0, {UNIT_STIFFNESS, "1", "8000000"}, 4, 0},
+    {"cut", read_cut, 0, {UNIT_SPEED, "0", "100000"}, 1, 0},
     {"relax", block_exacts, offsetof(scene_material, cloth.relax), {UNIT_TIME, "0", "60"}, 1, 0},
     {"like", read_like, 0, {UNIT_NONE, "0", "0"}, 0, 0},
     {"density", block_exacts, offsetof(scene_material, cloth.density),

@@ -16,6 +16,7 @@ static const block_key limits_keys[] = {
     {"contacts", block_count, AT(limits.contacts), {UNIT_NONE, "0", "1048576"}, 1, 0},
     {"cuts_per_tick", block_count, AT(limits.cuts_per_tick), {UNIT_NONE, "1", "64"}, 1, 0},
     {"splits_per_tick", block_count, AT(limits.splits_per_tick), {UNIT_NONE, "1", "4096"}, 1, 0},
+    {"self_pairs", block_count, AT(limits.self_pairs), {UNIT_NONE, "1", "1048576"}, 1, 0},
 };
 static const block_rule limits_rule = {limits_keys, sizeof limits_keys / sizeof limits_keys[0]};
 
@@ -198,6 +199,8 @@ int scene_parse(const char *file, const char *text, size_t bytes, scene *out, sc
     out->limits.contacts = out->sheet.warps * out->sheet.wefts;
   if (!out->limits.has_spare_particles && out->sheet.yarns != 0)
     out->limits.spare_particles = out->sheet.warps * out->sheet.wefts;
+  if (out->limits.self_pairs == 0) out->limits.self_pairs = 16u * out->sheet.warps * out->sheet.wefts;
+  if (!out->sheet.has_self_thickness) out->sheet.self_thickness = out->sheet.thickness;
   set_transition(out);
   return 1;
 }

@@ -215,6 +215,19 @@ int draft_yarns(const draft *d, yarn_params *y) {
   return 1;
 }
 
+int draft_selves(const draft *d, selves_params *k) {
+  const scene *s = d->scene;
+  const int32_t near = fx_min(d->spacing[0], d->spacing[1]);
+  if (!draft_word(d, "self_thickness", exact_mul(s->sheet.self_thickness, d->lu_per_cm),
+                  FX_POSITION_BITS, 1, 1 << 22, &k->thickness))
+    return 0;
+  if (k->thickness > near / 2)
+    return draft_refuse(d, s->sheet.line, "self_thickness: expected at most half of the spacing, so that "
+                        "yarns that lie side by side do not meet");
+  k->slack = near / 32;
+  return 1;
+}
+
 /* dv = k/m T h per length, with 16 bits. */
 static int make_spring(const draft *d, const char *key, exact k, int32_t rest,
                        int32_t compression_only, spring_class *c) {

@@ -112,6 +112,7 @@ static void plan(const draft *d, const mesh *m, uint32_t capacity[POOLS]) {
   capacity[POOL_CONTACTS] = s->limits.has_contacts ? s->limits.contacts : m->points;
   capacity[POOL_CUTS] = s->limits.cuts_per_tick;
   capacity[POOL_MESH_WORDS] = draft_mesh_words(d);
+  capacity[POOL_BLADES] = s->triangles.cloth.is_cut && d->meshes.head.meshes > 0;
 }
 
 static int fill_vertices(const draft *d, const mesh *m, fray_world *w) {
