@@ -103,7 +103,8 @@ static void throw_vertices(const fray_world *w, int steep) {
 static void throw_gains(const fray_world *w, int steep) {
   const uint32_t triangles = (uint32_t)w->sheet.state->triangles;
   const uint32_t of_gains = steep ? 28 + below(4) : 1 + below(31);
-  const uint32_t of_weights = steep ? 26 + below(4) : 1 + below(31);
+  /* the third one, their sum, is a weight too */
+  const uint32_t of_weights = steep ? 26 + below(4) : 1 + below(30);
   const uint32_t of_creases = 1 + below(31);
   const uint32_t of_speeds = 1 + below(30);
   const uint32_t of_masses = 1 + below(31);
