@@ -56,7 +56,7 @@ if [ -z "$bare" ]; then pass; else fail "no SPDX line: $bare"; fi
 
 # shiftTooManyBitsSigned: fx_asr shifts values that are not negative, in both of its branches
 if have cppcheck; then
-  if cppcheck --quiet --std=c11 --enable=warning,performance,portability --inline-suppr -I. \
+  if cppcheck -j "${JOBS:-2}" --quiet --std=c11 --enable=warning,performance,portability --inline-suppr -I. \
     --suppress=missingIncludeSystem --suppress=shiftTooManyBitsSigned --error-exitcode=1 rt 2>"$work/cppcheck"; then
     pass
   else
