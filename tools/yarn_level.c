@@ -6,6 +6,7 @@
 /* Of an array of the world's, those that a sheet without yarns does not have. */
 static uint32_t elements_of(const fray_world *w, const image_array *a, uint32_t all) {
   const params *p = w->params;
+  if (all == 0) return 0; /* an array that this world has not */
   if (a->only == POOL_SPLITS) return all;
   if (a->pool == POOL_PARTICLES) return all - (uint32_t)p->particles;
   if (a->pool == POOL_ROWS) return (uint32_t)p->shears;

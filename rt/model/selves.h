@@ -11,7 +11,7 @@
 /* Of worlds with self-collision only.
  *    name              least       most */
 #define SELVES_PARAMS(X) \
-  X(thickness,          1,          1 << 22)   /* Q24 lu: yarns are kept this far apart */ \
+  X(thickness,          1,          SELVES_THICKNESS_MAX) /* Q24 lu: yarns are kept this far apart */ \
   X(slack,              1,          1 << 22)   /* Q24 lu: how far an end may be put along an axis before \
                                                   all is looked at again */
 
@@ -26,6 +26,7 @@ enum {
   SELVES_PARAM_WORDS = 0 SELVES_PARAMS(X),
 #undef X
   LIMIT_PAIRS = 1 << 20,
+  SELVES_THICKNESS_MAX = 1 << 22,
   SELVES_PASSES = 8,  /* looks at the whole sheet in a tick */
   SELVES_ROUNDS = 3,  /* of pushes */
   SELVES_MERGES = 8,  /* rounds in which what still meets is joined, in each pass */

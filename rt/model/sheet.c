@@ -32,14 +32,14 @@ static uint64_t side_squared(sheet_point a, sheet_point b) {
 }
 
 /* The least height is the one on the longest side. */
-int sheet_is_stout(const sheet_mesh *s, sheet_point a, sheet_point b, sheet_point c) {
+int sheet_is_stouter(const sheet_mesh *s, uint32_t by, sheet_point a, sheet_point b, sheet_point c) {
   const int64_t twice = sheet_twice_area(a, b, c);
-  if (twice < (int64_t)s->params->area_min * (1 << 19)) return 0;
+  if (twice < (int64_t)s->params->area_min * (1 << (19 + 2 * by))) return 0;
   const uint64_t sides[3] = {side_squared(a, b), side_squared(b, c), side_squared(c, a)};
   uint64_t longest = sides[0] > sides[1] ? sides[0] : sides[1];
   if (sides[2] > longest) longest = sides[2];
   const uint32_t length = fx_root_length(fx_rsqrt(longest, FX_ROOT_FINE));
-  return twice >= fx_mul_wide(s->params->height_min, (int32_t)length);
+  return twice >= fx_mul_wide(s->params->height_min, (int32_t)length) * (1 << by);
 }
 
 /* n * 2^46 / twice, for results below 2^31. */

@@ -152,8 +152,11 @@ static inline sheet_point sheet_at(const sheet_mesh *s, uint32_t vertex) {
 }
 /* Twice the area of a triangle, negative where it is clockwise; Q48 lu^2, exact. */
 int64_t sheet_twice_area(sheet_point a, sheet_point b, sheet_point c);
-/* Area and least height are those that a tear or cut may leave. */
-int sheet_is_stout(const sheet_mesh *s, sheet_point a, sheet_point b, sheet_point c);
+/* Area is at least 4^by times, the least height 2^by times what a sheet may have; by is at most 1. */
+int sheet_is_stouter(const sheet_mesh *s, uint32_t by, sheet_point a, sheet_point b, sheet_point c);
+static inline int sheet_is_stout(const sheet_mesh *s, sheet_point a, sheet_point b, sheet_point c) {
+  return sheet_is_stouter(s, 0, a, b, c);
+}
 /* Of a triangle with at least the least area and height. */
 sheet_weights sheet_weights_of(const sheet_mesh *s, uint32_t t);
 

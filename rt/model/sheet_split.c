@@ -18,14 +18,6 @@ typedef struct {
 /* Tears divide sides in the middle. Cuts do it anywhere, so slivers as thin as the floors would stand all along
  * their way, and small triangles tremble: they leave 4 times the least area and 2 times the least height. */
 enum { FOR_TEAR = 0, FOR_CUT = 1 };
-static int is_stouter(const sheet_mesh *s, uint32_t by, sheet_point a, sheet_point b, sheet_point c) {
-  sheet_params floors = *s->params;
-  sheet_mesh as = *s;
-  floors.area_min <<= 2u * by;
-  floors.height_min <<= by;
-  as.params = &floors;
-  return sheet_is_stout(&as, a, b, c);
-}
 
 static int is_held(const fray_world *w, uint32_t p) { return p < (uint32_t)w->params->held; }
 
@@ -100,11 +92,11 @@ static int may_divide(const fray_world *w, const plan *p, uint32_t n, uint32_t s
   const sheet_point at = sheet_between(a, b, share);
   const uint32_t other = sheet_across(s, t, k);
   if (p->fan.count + RAYS > SHEET_FAN || !is_untouched(s, p, n, other)) return 0;
-  if (!is_stouter(s, p->stouter, p->centre, a, at) || !is_stouter(s, p->stouter, p->centre, at, b)) return 0;
+  if (!sheet_is_stouter(s, p->stouter, p->centre, a, at) || !sheet_is_stouter(s, p->stouter, p->centre, at, b)) return 0;
   if (other == SHEET_NONE) return 1;
   const uint32_t far = s->triangle[other].v[sheet_back(s, t, k)];
   const sheet_point apex = sheet_at(s, far);
-  return is_stouter(s, p->stouter, apex, b, at) && is_stouter(s, p->stouter, apex, at, a) &&
+  return sheet_is_stouter(s, p->stouter, apex, b, at) && sheet_is_stouter(s, p->stouter, apex, at, a) &&
          has_room_for(s, far, RAYS);
 }
 
@@ -311,8 +303,8 @@ static int parts_are_stouter(const sheet_mesh *s, uint32_t t, uint32_t k, uint32
   for (uint32_t n = 0; n < (other == SHEET_NONE ? 1u : 2u); ++n) {
     const sheet_point apex = sheet_at(s, n == 0 ? s->triangle[t].v[k] : s->triangle[other].v[sheet_back(s, t, k)]);
     const int turned = n != 0;
-    if (!is_stouter(s, FOR_CUT, apex, turned ? at : a, turned ? a : at) ||
-        !is_stouter(s, FOR_CUT, apex, turned ? b : at, turned ? at : b))
+    if (!sheet_is_stouter(s, FOR_CUT, apex, turned ? at : a, turned ? a : at) ||
+        !sheet_is_stouter(s, FOR_CUT, apex, turned ? b : at, turned ? at : b))
       return 0;
   }
   return 1;

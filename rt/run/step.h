@@ -11,6 +11,7 @@ static inline void step_begin(fray_world *w, fray_output *output) {
   bytes_zero(w->motion, sizeof(body_motion) * w->capacity[POOL_BODIES]);
   bytes_zero(&w->work, sizeof w->work);
   w->cut_count = 0;
+  w->cut_first = 0;
   w->cuts_waiting = 0;
 }
 

@@ -17,8 +17,7 @@ static void cut_row(fray_world *w, uint32_t row) {
 
 void cut_run(fray_world *w) {
   for (uint32_t n = 0; n < w->cut_count; ++n) cut_row(w, w->cuts[n].row);
-  /* where blades cut, rip and slash have said it */
-  if (!world_has_blades(w) || w->work.cuts == 0) w->cut_first = w->cut_count != 0 ? tear_worst(w) : 0;
+  if (w->cut_count != 0) w->cut_first = tear_worst(w);
   w->state->cuts_total += (int32_t)w->cut_count;
   if (w->cuts_waiting != 0) w->state->faults |= (int32_t)FRAY_FAULT_CUTS_WAIT;
   w->work.cuts += w->cut_count;

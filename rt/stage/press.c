@@ -51,10 +51,9 @@ static int may_move(const fray_world *w, uint32_t triangle) {
   return 0;
 }
 
-static int is_gripped(const fray_world *w, const row_id v[3], uint32_t holder) {
-  for (uint32_t k = 0; k < 3; ++k)
-    if (v[k] < (uint32_t)w->params->held && w->grip_body[v[k]] == holder) return 1;
-  return 0;
+/* What it does not hold, cut or stay away from. */
+static int is_beside(const fray_world *w, const solid *t, uint32_t triangle) {
+  return !solid_misses(w, triangle) && !solid_grips(w, t, triangle) && !solid_parts(w, t, triangle);
 }
 
 /* The triangles that come near the body; those for which there is no room stand. */
@@ -62,9 +61,7 @@ static uint32_t list_beside(fray_world *w, const solid *t, uint32_t *left) {
   const uint32_t triangles = (uint32_t)w->sheet.state->triangles;
   uint32_t count = 0;
   for (uint32_t n = 0; n < triangles; ++n) {
-    const row_id *v = w->sheet.triangle[n].v;
-    if ((w->aside[v[0]] & w->aside[v[1]] & w->aside[v[2]] & SOLID_SIDES) != 0) continue;
-    if (is_gripped(w, v, t->body) || solid_parts(w, t, n)) continue;
+    if (!is_beside(w, t, n)) continue;
     if (*left == 0) {
       w->state->faults |= (int32_t)FRAY_FAULT_CONTACTS_FULL;
       stand_triangle(w, t, n);
@@ -90,7 +87,7 @@ static int begin_flap(fray_world *w, const solid *t, uint32_t triangle, int32_t 
       return 0;
     }
     const uint32_t across = s->across[sheet_last(k)];
-    if (across >= triangle || is_gripped(w, w->sheet.triangle[across].v, t->body) || solid_parts(w, t, across))
+    if (across >= triangle || solid_grips(w, t, across) || solid_parts(w, t, across))
       f->own |= 1u << k;
   }
   f->span = solid_span_of(f->way, 3, skin);
@@ -330,11 +327,6 @@ void press_stand(fray_world *w, const solid *t) {
     const sweep_point way = solid_way(w, t, p);
     w->aside[p] = solid_passes(w, t, p) ? (uint8_t)SOLID_SIDES : solid_sides(t, &way, skin);
   }
-  for (uint32_t n = 0; n < triangles; ++n) {
-    const row_id *v = w->sheet.triangle[n].v;
-    if ((w->aside[v[0]] & w->aside[v[1]] & w->aside[v[2]] & SOLID_SIDES) != 0 || is_gripped(w, v, t->body) ||
-        solid_parts(w, t, n))
-      continue;
-    stand_triangle(w, t, n);
-  }
+  for (uint32_t n = 0; n < triangles; ++n)
+    if (is_beside(w, t, n)) stand_triangle(w, t, n);
 }

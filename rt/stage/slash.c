@@ -42,11 +42,6 @@ typedef struct {
 
 /* ---- who passes ---- */
 
-static int is_aside(const fray_world *w, uint32_t triangle) {
-  const row_id *v = w->sheet.triangle[triangle].v;
-  return (w->aside[v[0]] & w->aside[v[1]] & w->aside[v[2]] & SOLID_SIDES) != 0;
-}
-
 static sweep_point way_of(const fray_world *w, const solid *t, uint32_t p) {
   const sweep_point way = {vec_sub(world_position(w, p), t->before),
                            vec_sub(vec_make(w->qx[p], w->qy[p], w->qz[p]), t->now)};
@@ -105,7 +100,7 @@ static void close_up(fray_world *w) {
     const solid blade = blade_at(w, n);
     look_aside(w, &blade, 0);
     for (uint32_t t = 0; t < triangles; ++t)
-      if (sheet_is_parted(s, t) && !is_aside(w, t)) s->mark[t] = (uint8_t)(s->mark[t] | near);
+      if (sheet_is_parted(s, t) && !solid_misses(w, t)) s->mark[t] = (uint8_t)(s->mark[t] | near);
   }
   for (uint32_t t = 0; t < triangles; ++t) {
     const uint32_t stays = (uint32_t)s->mark[t] & near;
@@ -346,20 +341,13 @@ static void slash_triangle(fray_world *w, const solid *t, uint32_t triangle) {
   if (result == SHEET_DONE) count_cut(w, t, &lips, born);
 }
 
-static int is_gripped(const fray_world *w, uint32_t triangle, uint32_t holder) {
-  const row_id *v = w->sheet.triangle[triangle].v;
-  for (uint32_t k = 0; k < 3; ++k)
-    if (v[k] < (uint32_t)w->params->held && w->grip_body[v[k]] == holder) return 1;
-  return 0;
-}
-
 /* Also what is made on the way, at the end of the pool. */
 static void slash_by(fray_world *w, uint32_t n) {
   const solid t = blade_at(w, n);
   uint32_t left = w->capacity[POOL_CONTACTS];
   look_aside(w, &t, 0);
   for (uint32_t triangle = 0; triangle < (uint32_t)w->sheet.state->triangles; ++triangle) {
-    if (is_aside(w, triangle) || sheet_is_parted(&w->sheet, triangle) || is_gripped(w, triangle, t.body) ||
+    if (solid_misses(w, triangle) || sheet_is_parted(&w->sheet, triangle) || solid_grips(w, &t, triangle) ||
         w->blades->speed[w->sheet.cloth[triangle]] == BLADE_NEVER)
       continue;
     if (left == 0) {

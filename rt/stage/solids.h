@@ -14,6 +14,9 @@ enum {
   SOLID_TOO_MANY = MESH_CLOSE + 1
 };
 
+/* Bits of aside[]: what many ways share of the sides keeps them, and all between them, away. */
+enum { SOLID_SIDES = 63, SOLID_STANDS = 64, SOLID_MOVED = 128 };
+
 /* A body in this substep. */
 typedef struct {
   uint32_t body;
@@ -45,6 +48,19 @@ static inline int solid_passes(const fray_world *w, const solid *t, uint32_t p) 
   return t->sharp != 0 && w->parted[p] != 0;
 }
 
+/* Triangles that miss it: all of their vertices stay on one side of its box, as aside[] has it. */
+static inline int solid_misses(const fray_world *w, uint32_t triangle) {
+  const row_id *v = w->sheet.triangle[triangle].v;
+  return (w->aside[v[0]] & w->aside[v[1]] & w->aside[v[2]] & SOLID_SIDES) != 0;
+}
+/* Triangles that a body holds by a vertex. */
+static inline int solid_grips(const fray_world *w, const solid *t, uint32_t triangle) {
+  const row_id *v = w->sheet.triangle[triangle].v;
+  for (uint32_t k = 0; k < 3; ++k)
+    if (v[k] < (uint32_t)w->params->held && w->grip_body[v[k]] == t->body) return 1;
+  return 0;
+}
+
 static inline sweep_point solid_way(const fray_world *w, const solid *t, uint32_t p) {
   const sweep_point went = {vec_sub(vec_make(w->sx[p], w->sy[p], w->sz[p]), t->before),
                            vec_sub(world_position(w, p), t->now)};
@@ -69,9 +85,7 @@ static inline int solid_is_far(vec3 v) {
          v.z < -FX_WORLD_MAX || v.z > FX_WORLD_MAX;
 }
 
-/* On which sides of the box all of a way stays, a bit each; 0: it may come near. What many ways share
- * keeps them, and all between them, away. */
-enum { SOLID_SIDES = 63, SOLID_STANDS = 64, SOLID_MOVED = 128 };
+/* On which sides of the box all of a way stays, a bit each; 0: it may come near. */
 uint8_t solid_sides(const solid *t, const sweep_point *went, int32_t skin);
 
 /* The triangles whose boxes the span overlaps; count SOLID_TOO_MANY where they are more than `most`, or the

@@ -219,9 +219,9 @@ int draft_selves(const draft *d, selves_params *k) {
   const scene *s = d->scene;
   const int32_t near = fx_min(d->spacing[0], d->spacing[1]);
   if (!draft_word(d, "self_thickness", exact_mul(s->sheet.self_thickness, d->lu_per_cm),
-                  FX_POSITION_BITS, 1, 1 << 22, &k->thickness))
+                  FX_POSITION_BITS, 1, INT32_MAX, &k->thickness))
     return 0;
-  if (k->thickness > near / 2)
+  if (k->thickness > fx_min(near / 2, SELVES_THICKNESS_MAX))
     return draft_refuse(d, s->sheet.line, "self_thickness: expected at most half of the spacing, so that "
                         "yarns that lie side by side do not meet");
   k->slack = near / 32;
