@@ -56,6 +56,16 @@ LANES_INLINE lanes lanes_load_part(lanes others, const int32_t *from, lane_mask 
 LANES_INLINE void lanes_store_part(int32_t *to, lane_mask m, lanes v) {
   _mm512_mask_storeu_epi32(to, m, v);
 }
+/* Two runs, each half of the lanes. */
+#define LANES_HALVES
+LANES_INLINE lanes lanes_load_halves(const int32_t *low, const int32_t *high) {
+  return _mm512_inserti64x4(_mm512_castsi256_si512(_mm256_loadu_si256((const __m256i *)(const void *)low)),
+                            _mm256_loadu_si256((const __m256i *)(const void *)high), 1);
+}
+LANES_INLINE void lanes_store_halves(int32_t *low, int32_t *high, lanes v) {
+  _mm256_storeu_si256((__m256i *)(void *)low, _mm512_castsi512_si256(v));
+  _mm256_storeu_si256((__m256i *)(void *)high, _mm512_extracti64x4_epi64(v, 1));
+}
 LANES_INLINE lanes lanes_load_ids(const row_id *from) {
 #if FRAY_ID_BITS == 16
   return _mm512_cvtepu16_epi32(_mm256_loadu_si256((const __m256i *)(const void *)from));

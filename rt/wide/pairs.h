@@ -23,16 +23,24 @@
 #endif
 
 /* Up to PAIRS_RUNS of one class, each number has code of its own; up to PAIRS_MORE there is a loop. */
-enum { PAIRS_RUNS = LANES_RUNS, PAIRS_MORE = LANES_MORE_RUNS, PAIRS_WHOLE = 0, PAIRS_GATHERED = PAIRS_MORE + 1 };
+enum {
+  PAIRS_RUNS = LANES_RUNS,
+  PAIRS_MORE = LANES_MORE_RUNS,
+  PAIRS_WHOLE = 0,
+  PAIRS_GATHERED = PAIRS_MORE + 1,
+  PAIRS_HALVES
+};
 
 /* Where a run of lanes lies: lane n at [from + n]. */
 typedef struct {
   intptr_t from;
   lane_mask used;
+  uint32_t first, count; /* the lanes; count is 0 where one in between is not used */
 } pairs_run;
 
 typedef struct {
-  int way;             /* PAIRS_WHOLE: one run in all lanes; 1..PAIRS_MORE runs; PAIRS_GATHERED */
+  int way;             /* PAIRS_WHOLE: one run in all lanes; PAIRS_HALVES: two, each in half of them;
+                          1..PAIRS_MORE runs; PAIRS_GATHERED */
   int one_class;
   int light;           /* whether a row has a light end; of rows of many kinds */
   uint32_t kind;       /* then */
@@ -45,10 +53,17 @@ FX_WRAPS LANES_INLINE const int32_t *pairs_at(const int32_t *words, intptr_t n) 
   return (const int32_t *)((uintptr_t)words + (uintptr_t)n * sizeof *words);
 }
 
+LANES_INLINE const int32_t *pairs_begin(const int32_t *words, const pairs_run *run) {
+  return pairs_at(words, run->from + (intptr_t)run->first);
+}
+
 LANES_INLINE lanes pairs_fetch(const pairs *p, const int32_t *from, const pairs_run *run,
                                const uint32_t at[LANES]) {
   if (p->way == PAIRS_WHOLE) return lanes_load(from + run->from);
   if (p->way == PAIRS_GATHERED) return lanes_of(from, at);
+#ifdef LANES_HALVES
+  if (p->way == PAIRS_HALVES) return lanes_load_halves(pairs_begin(from, &run[0]), pairs_begin(from, &run[1]));
+#endif
   lanes v = lanes_load_part(lanes_all(0), pairs_at(from, run[0].from), run[0].used);
   for (int n = 1; n < p->way; ++n)
     v = lanes_load_part(v, pairs_at(from, run[n].from), run[n].used);
@@ -66,14 +81,27 @@ LANES_INLINE void pairs_scatter(int32_t *to, const uint32_t at[LANES], lanes v) 
   lanes_store(words, v);
   for (int n = 0; n < LANES; ++n) to[at[n]] = words[n];
 }
+LANES_INLINE void pairs_put_run(int32_t *to, const pairs_run *run, lanes v) {
+#ifdef LANES_STORE_RUN
+  if (run->count != 0) {
+    lanes_store_run((int32_t *)pairs_begin(to, run), run->first, run->count, v);
+    return;
+  }
+#endif
+  lanes_store_part((int32_t *)pairs_at(to, run->from), run->used, v);
+}
 LANES_INLINE void pairs_put(const pairs *p, int32_t *to, const pairs_run *run,
                             const uint32_t at[LANES], lanes v) {
   if (p->way == PAIRS_WHOLE)
     lanes_store(to + run->from, v);
   else if (p->way == PAIRS_GATHERED)
     pairs_scatter(to, at, v);
+#ifdef LANES_HALVES
+  else if (p->way == PAIRS_HALVES)
+    lanes_store_halves((int32_t *)pairs_begin(to, &run[0]), (int32_t *)pairs_begin(to, &run[1]), v);
+#endif
   else
-    for (int n = 0; n < p->way; ++n) lanes_store_part((int32_t *)pairs_at(to, run[n].from), run[n].used, v);
+    for (int n = 0; n < p->way; ++n) pairs_put_run(to, &run[n], v);
 }
 LANES_INLINE void pairs_put_i(const pairs *p, int32_t *to, lanes v) {
   pairs_put(p, to, p->run_i, p->i, v);
@@ -210,11 +238,20 @@ LANES_INLINE void pairs_some(const pair_rows *s, uint32_t row, uint32_t count, i
     p.run_i[runs].from = (intptr_t)i[begun] - (intptr_t)begun;
     p.run_j[runs].from = (intptr_t)j[begun] - (intptr_t)begun;
     p.run_i[runs].used = p.run_j[runs].used = mask;
+    p.run_i[runs].first = p.run_j[runs].first = begun;
+    p.run_i[runs].count = p.run_j[runs].count = lanes_bits(mask) == (1u << next) - (1u << begun) ? next - begun : 0;
     ++runs;
     if (breaks == 0) break;
     breaks &= breaks - 1u;
     begun = next;
   }
+#ifdef LANES_HALVES
+  if (runs == 2 && others == 0 && p.run_i[0].count == LANES / 2 && p.run_i[1].count == LANES / 2) {
+    p.way = PAIRS_HALVES;
+    take(view, &p);
+    return;
+  }
+#endif
   pairs_stitched(&p, runs, others == 0, take, view);
 }
 

@@ -7,6 +7,7 @@
 
 /* Colours of links: 0 to 3 join crossings of one level, LINK_ACROSS and on two levels. */
 enum { LINK_ACROSS = 4, LINK_COLOURS = 8 };
+enum { RANK_LONG, RANK_SHORT, RANK_REST, RANK_SINGLE };
 
 /* Rows along a contour: neighbours alternate; bend springs, which reach over one crossing, in pairs. */
 static uint32_t colour_along(weave grid, uint32_t canonical, uint32_t a, uint32_t b) {
@@ -65,7 +66,7 @@ static draft_row make_row(const draft *d, uint32_t canonical) {
                        : spring_across(d, a, b);
   r.level = la < lb ? la : lb;
   r.step = r.colour;
-  r.single = 0;
+  r.rank = RANK_LONG;
   r.along_warp = a / d->grid.warps != b / d->grid.warps;
   return r;
 }
@@ -103,25 +104,30 @@ static int compare_rows(const void *left, const void *right) {
   const draft_row *a = left;
   const draft_row *b = right;
   int order = compare_batches(a, b);
-  if (order == 0) order = compare(a->single, b->single);
-  if (order == 0 && a->single) order = compare(a->along_warp, b->along_warp);
+  if (order == 0) order = compare(a->rank, b->rank);
+  if (order == 0 && a->rank == RANK_SINGLE) order = compare(a->along_warp, b->along_warp);
   /* what the batch before moved last, last; springs, which have no order, with the particles */
   if (order == 0 && a->ordered) order = compare(b->level, a->level);
   if (order == 0) order = compare(a->i, b->i);
   return order != 0 ? order : compare(a->canonical, b->canonical);
 }
 
-enum { RUN_LEAST = 3 };
+/* Runs go in pieces of 16 rows and of 8, which wide kernels take whole, then what is left of them; rows of
+ * shorter runs go last, where they are gathered. */
+static uint32_t rank_of(uint32_t at, uint32_t length) {
+  const uint32_t left = length % 8;
+  if (at < length - length % 16) return RANK_LONG;
+  if (at < length - left) return RANK_SHORT;
+  return left < 3 ? RANK_SINGLE : RANK_REST;
+}
 
-/* Rows in shorter runs go behind the others of their batch, where wide kernels gather them. */
-static void find_singles(draft_row *rows, uint32_t count) {
+static void rank_rows(draft_row *rows, uint32_t count) {
   uint32_t first = 0;
   for (uint32_t n = 1; n <= count; ++n) {
     if (n < count && compare_batches(&rows[n], &rows[n - 1]) == 0 &&
         rows[n].i == rows[n - 1].i + 1 && rows[n].j == rows[n - 1].j + 1)
       continue;
-    const uint32_t length = n - first;
-    for (uint32_t r = first; r < n && length < RUN_LEAST; ++r) rows[r].single = 1;
+    for (uint32_t r = first; r < n; ++r) rows[r].rank = rank_of(r - first, n - first);
     first = n;
   }
 }
@@ -156,7 +162,7 @@ int draft_rows(draft *d) {
     }
     if (family == FRAY_STRUCTURAL) set_steps(d->rows + first, count);
     qsort(d->rows + first, count, sizeof *d->rows, compare_rows);
-    find_singles(d->rows + first, count);
+    rank_rows(d->rows + first, count);
     qsort(d->rows + first, count, sizeof *d->rows, compare_rows);
     if (!write_batches(d, first, first + count)) return 0;
     d->family_batches[family] = d->batch_count - batches_before;
