@@ -60,14 +60,13 @@ LANES_INLINE void lanes_store_part(int32_t *to, lane_mask m, lanes v) {
   _mm256_maskstore_epi32(to, m, v);
 }
 
-/* Lanes `first` to `first + count - 1`, in as few parts as there are: to store by a mask takes
+/* Lanes `first` to `first + count - 1`, fewer than all, in as few parts as there are: to store by a mask takes
  * some processors longer than all else that is done to these lanes. */
 #define LANES_STORE_RUN
 LANES_INLINE void lanes_store_run(int32_t *to, uint32_t first, uint32_t count, lanes v) {
   const __m256i n = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
   const __m256i moved = _mm256_permutevar8x32_epi32(v, _mm256_add_epi32(n, _mm256_set1_epi32((int32_t)first)));
   __m128i left = _mm256_castsi256_si128(moved);
-  if (count == LANES) lanes_store(to, v);
   if ((count & 4u) != 0) {
     _mm_storeu_si128((__m128i *)(void *)to, left);
     left = _mm256_extracti128_si256(moved, 1);

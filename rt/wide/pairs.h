@@ -35,7 +35,7 @@ enum {
 typedef struct {
   intptr_t from;
   lane_mask used;
-  uint32_t first, count; /* the lanes; count is 0 where one in between is not used */
+  uint32_t first, count; /* the lanes; count is 0 where all are, or one in between is not used */
 } pairs_run;
 
 typedef struct {
@@ -238,8 +238,9 @@ LANES_INLINE void pairs_some(const pair_rows *s, uint32_t row, uint32_t count, i
     p.run_i[runs].from = (intptr_t)i[begun] - (intptr_t)begun;
     p.run_j[runs].from = (intptr_t)j[begun] - (intptr_t)begun;
     p.run_i[runs].used = p.run_j[runs].used = mask;
+    const uint32_t whole_run = (1u << next) - (1u << begun);
     p.run_i[runs].first = p.run_j[runs].first = begun;
-    p.run_i[runs].count = p.run_j[runs].count = lanes_bits(mask) == (1u << next) - (1u << begun) ? next - begun : 0;
+    p.run_i[runs].count = p.run_j[runs].count = lanes_bits(mask) == whole_run && whole_run != LANES_ALL ? next - begun : 0;
     ++runs;
     if (breaks == 0) break;
     breaks &= breaks - 1u;

@@ -72,13 +72,17 @@ LANES_INLINE void push_pairs(const void *view, const pairs *p) {
   const lanes scale = pairs_class(p, &c->scale, SPRING_CLASS_WORDS);
   const lanes scale_half = push_half(scale);
   const int light = pairs_light(p);
+  lanes i[3], j[3]; /* all of them before any is stored: a load near a store that is under way waits for it */
+  LANES_UNROLLED
+  for (int a = 0; a < 3; ++a) {
+    i[a] = pairs_fetch_i(p, speed[a]);
+    j[a] = pairs_fetch_j(p, speed[a]);
+  }
   LANES_UNROLLED
   for (int a = 0; a < 3; ++a) {
     const lanes dv = push_step(d[a], pull, scale_half, scale);
-    const lanes of_i = light ? pairs_weighted(p, dv, ROW_UP_I) : dv;
-    const lanes of_j = light ? pairs_weighted(p, dv, ROW_UP_J) : dv;
-    pairs_put_i(p, speed[a], lanes_add(pairs_fetch_i(p, speed[a]), of_i));
-    pairs_put_j(p, speed[a], lanes_sub(pairs_fetch_j(p, speed[a]), of_j));
+    pairs_put_i(p, speed[a], lanes_add(i[a], light ? pairs_weighted(p, dv, ROW_UP_I) : dv));
+    pairs_put_j(p, speed[a], lanes_sub(j[a], light ? pairs_weighted(p, dv, ROW_UP_J) : dv));
   }
 }
 
