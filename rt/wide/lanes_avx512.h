@@ -10,6 +10,7 @@
 enum { LANES = 16, LANES_ALL = 65535 };
 #define LANES_RUNS 4 /* so many runs are stitched by code of their own */
 #define LANES_MORE_RUNS 6 /* at most */
+#define LANES_MANY 2 /* groups taken side by side: see pairs.h */
 typedef __m512i lanes;
 typedef __mmask16 lane_mask;
 
@@ -78,6 +79,12 @@ LANES_INLINE int lanes_count_up(lanes ids, row_id first) {
   const __m512i n = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   return _mm512_cmpneq_epi32_mask(
              ids, _mm512_add_epi32(n, _mm512_set1_epi32((int32_t)first))) == 0;
+}
+/* Whether the ids of LANES rows count up and all are of that kind. */
+LANES_INLINE int lanes_are_run(const row_id *i, const row_id *j, const uint8_t *kinds, uint32_t kind) {
+  const __m128i k = _mm_loadu_si128((const __m128i *)(const void *)kinds);
+  return lanes_count_up(lanes_load_ids(i), *i) && lanes_count_up(lanes_load_ids(j), *j) &&
+         _mm_cmpneq_epu8_mask(k, _mm_set1_epi8((char)kind)) == 0;
 }
 /* Bit n: id n does not follow id n - 1. */
 LANES_INLINE uint32_t lanes_breaks(lanes ids) {
