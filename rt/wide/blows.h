@@ -23,25 +23,12 @@ typedef struct {
   int is_far;
 } blows;
 
-LANES_INLINE lanes blows_way(const int32_t *at, const uint32_t from[LANES], const uint32_t to[LANES]) {
-  return lanes_clamp(lanes_sub(lanes_of(at, to), lanes_of(at, from)), ELEMENT_REACH);
-}
-
-LANES_INLINE void blows_cross(const lanes a[3], const lanes b[3], lanes product[3]) {
-  LONGS_UNROLLED
-  for (int n = 0; n < 3; ++n) {
-    const int m = (n + 1) % 3;
-    const int o = (n + 2) % 3;
-    product[n] = longs_round(longs_sub(longs_mul(a[m], b[o]), longs_mul(a[o], b[m])), FX_POSITION_BITS);
-  }
-}
-
 /* What has no length has no direction: 0. */
 LANES_INLINE lanes blows_unit(const lanes v[3], lanes unit[3], lane_mask *nothing) {
   const longs squared = longs_squared(v);
   lanes m;
   const lanes_root root = lanes_rsqrt(squared, &m);
-  *nothing = folds_below(squared, 1);
+  *nothing = longs_below(squared, 1);
   LONGS_UNROLLED
   for (int n = 0; n < 3; ++n) unit[n] = lanes_unit(root, v[n]);
   return lanes_root_length(root, m);
@@ -74,11 +61,11 @@ LANES_INLINE void blows_fetch(const blow_view *v, blows *s, uint32_t id[3][LANES
   lanes d1[3], d2[3], product[3];
   LONGS_UNROLLED
   for (int n = 0; n < 3; ++n) {
-    d1[n] = blows_way(v->at[n], id[0], id[1]);
-    d2[n] = blows_way(v->at[n], id[0], id[2]);
+    d1[n] = records_way(v->at[n], id[0], id[1], ELEMENT_REACH);
+    d2[n] = records_way(v->at[n], id[0], id[2], ELEMENT_REACH);
     s->wind[n] = blows_air(s, v->cloths->wind[n], v->speed[n], id);
   }
-  blows_cross(d1, d2, product);
+  longs_cross(d1, d2, FX_POSITION_BITS, product);
   s->area = blows_unit(product, s->normal, &s->flat);
 }
 
@@ -111,16 +98,7 @@ LANES_INLINE int blows_group(const blow_view *v, uint32_t first, uint32_t count)
   return 1;
 }
 
-/* As many as none of LANES is left to the scalar code. */
-LANES_INLINE uint32_t blows_run(const blow_view *v, uint32_t first, uint32_t end) {
-  uint32_t at = first;
-  while (at < end) {
-    const uint32_t count = end - at < (uint32_t)LANES ? end - at : (uint32_t)LANES;
-    if (!blows_group(v, at, count)) break;
-    at += count;
-  }
-  return at - first;
-}
+RECORDS_GROUPS(blows_run, blow_view, blows_group)
 #endif
 
 #endif

@@ -45,25 +45,12 @@ LANES_INLINE void folds_fetch(const fold_view *v, uint32_t first, uint32_t count
   }
 }
 
-LANES_INLINE void folds_cross(const lanes a[3], const lanes b[3], lanes area[3]) {
-  LONGS_UNROLLED
-  for (int n = 0; n < 3; ++n) {
-    const int m = (n + 1) % 3;
-    const int o = (n + 2) % 3;
-    area[n] = longs_round(longs_sub(longs_mul(a[m], b[o]), longs_mul(a[o], b[m])), 28);
-  }
-}
-
-LANES_INLINE lane_mask folds_below(longs squared, int64_t least) {
-  return longs_negative(longs_sub(squared, longs_all(least)));
-}
-
 /* Takes away what has no length to speak of. */
 LANES_INLINE void folds_unit(folds *s, const lanes v[3], lanes unit[3]) {
   const longs squared = longs_squared(v);
   lanes m;
   const lanes_root root = lanes_rsqrt(squared, &m);
-  s->flat = lanes_either(s->flat, folds_below(squared, HINGE_LEAST));
+  s->flat = lanes_either(s->flat, longs_below(squared, HINGE_LEAST));
   LONGS_UNROLLED
   for (int n = 0; n < 3; ++n) unit[n] = lanes_unit(root, v[n]);
 }
@@ -74,7 +61,7 @@ LANES_INLINE lanes folds_half(folds *s, const lanes n1[3], const lanes n2[3]) {
   for (int n = 0; n < 3; ++n) off[n] = lanes_asr(lanes_sub(n1[n], n2[n]), 1);
   const longs squared = longs_squared(off);
   const lanes_root root = lanes_rsqrt(squared, &m);
-  s->flat = lanes_either(s->flat, folds_below(squared, 1));
+  s->flat = lanes_either(s->flat, longs_below(squared, 1));
   return lanes_root_length(root, m);
 }
 
@@ -107,16 +94,16 @@ LANES_INLINE int folds_group(const fold_view *v, uint32_t first, uint32_t count)
   lanes area1[3], area2[3], n1[3], n2[3], j1[4], j2[4], j3[4], back[4];
   folds_fetch(v, first, count, &s);
   s.far = longs_all(0);
-  s.flat = folds_below(longs_squared(s.side), HINGE_LEAST);
-  folds_cross(s.side, s.to1, area1);
-  folds_cross(s.to2, s.side, area2);
+  s.flat = longs_below(longs_squared(s.side), HINGE_LEAST);
+  longs_cross(s.side, s.to1, 28, area1);
+  longs_cross(s.to2, s.side, 28, area2);
   folds_unit(&s, area1, n1);
   folds_unit(&s, area2, n2);
   const lanes half = folds_half(&s, n1, n2);
   const lanes size = longs_round(longs_mul(folds_stiffness(&s, half), half), 30);
   const longs up = longs_add(longs_add(longs_mul(s.to2[0], n1[0]), longs_mul(s.to2[1], n1[1])),
                              longs_mul(s.to2[2], n1[2]));
-  const lane_mask down = folds_below(up, 1 << 29); /* rounded, it is not above zero */
+  const lane_mask down = longs_below(up, 1 << 29); /* rounded, it is not above zero */
   const lanes turning = lanes_pick(down, size, lanes_sub(lanes_all(0), size));
   folds_opposite(&s, turning, s.word[FOLDS_HEIGHT], n1, j1);
   folds_opposite(&s, turning, s.word[FOLDS_HEIGHT + 1], n2, j2);
@@ -138,16 +125,7 @@ LANES_INLINE int folds_group(const fold_view *v, uint32_t first, uint32_t count)
   return 1;
 }
 
-/* As many as none of LANES is left to the scalar code. */
-LANES_INLINE uint32_t folds_run(const fold_view *v, uint32_t first, uint32_t end) {
-  uint32_t at = first;
-  while (at < end) {
-    const uint32_t count = end - at < (uint32_t)LANES ? end - at : (uint32_t)LANES;
-    if (!folds_group(v, at, count)) break;
-    at += count;
-  }
-  return at - first;
-}
+RECORDS_GROUPS(folds_run, fold_view, folds_group)
 #endif
 
 #endif

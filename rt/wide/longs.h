@@ -14,6 +14,7 @@
 #endif
 
 LANES_INLINE lane_mask longs_negative(longs v) { return lanes_below_zero(longs_high(v)); }
+LANES_INLINE lane_mask longs_below(longs v, int64_t least) { return longs_negative(longs_sub(v, longs_all(least))); }
 LANES_INLINE lanes lanes_size(lanes v) { return lanes_max(v, lanes_sub(lanes_all(0), v)); }
 LANES_INLINE lanes lanes_signed(lanes size, lanes like) {
   return lanes_pick(lanes_below_zero(like), lanes_sub(lanes_all(0), size), size);
@@ -26,7 +27,15 @@ LANES_INLINE lanes longs_round(longs v, unsigned s) {
 LANES_INLINE longs longs_squared(const lanes v[3]) {
   return longs_add(longs_add(longs_mul(v[0], v[0]), longs_mul(v[1], v[1])), longs_mul(v[2], v[2]));
 }
-
+/* The vector product, rounded by so many bits. */
+LANES_INLINE void longs_cross(const lanes a[3], const lanes b[3], unsigned bits, lanes product[3]) {
+  LONGS_UNROLLED
+  for (int n = 0; n < 3; ++n) {
+    const int m = (n + 1) % 3;
+    const int o = (n + 2) % 3;
+    product[n] = longs_round(longs_sub(longs_mul(a[m], b[o]), longs_mul(a[o], b[m])), bits);
+  }
+}
 
 typedef struct {
   lanes inverse, h;

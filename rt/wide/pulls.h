@@ -115,16 +115,7 @@ LANES_INLINE int pulls_group(const pull_view *v, uint32_t first, uint32_t count)
   return 1;
 }
 
-/* As many as none of LANES is left to the scalar code. */
-LANES_INLINE uint32_t pulls_run(const pull_view *v, uint32_t first, uint32_t end) {
-  uint32_t at = first;
-  while (at < end) {
-    const uint32_t count = end - at < (uint32_t)LANES ? end - at : (uint32_t)LANES;
-    if (!pulls_group(v, at, count)) break;
-    at += count;
-  }
-  return at - first;
-}
+RECORDS_GROUPS(pulls_run, pull_view, pulls_group)
 #endif
 
 #endif

@@ -59,6 +59,23 @@ LANES_INLINE void records_put(int32_t *to, const lanes word[4]) {
   for (int n = 0; n < LANES; ++n)
     _mm_storeu_si128((__m128i *)(void *)(to + 4 * n), _mm_loadu_si128((const __m128i *)(const void *)&words[n % 4][n & ~3]));
 }
+
+/* Along an axis from one particle to another, at most so far. */
+LANES_INLINE lanes records_way(const int32_t *at, const uint32_t from[LANES], const uint32_t to[LANES], int32_t most) {
+  return lanes_clamp(lanes_sub(lanes_of(at, to), lanes_of(at, from)), most);
+}
+
+/* Takes groups of LANES from `first` on, until one is left to the scalar code; returns how many records it took. */
+#define RECORDS_GROUPS(name, view, group)                                                       \
+  LANES_INLINE uint32_t name(const view *v, uint32_t first, uint32_t end) {                     \
+    uint32_t at = first;                                                                        \
+    while (at < end) {                                                                          \
+      const uint32_t count = end - at < (uint32_t)LANES ? end - at : (uint32_t)LANES;           \
+      if (!group(v, at, count)) break;                                                          \
+      at += count;                                                                              \
+    }                                                                                           \
+    return at - first;                                                                          \
+  }
 #endif
 
 #endif

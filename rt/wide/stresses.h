@@ -21,10 +21,6 @@ typedef struct {
   int fades; /* rows fade into their mean where principal strains are nearly alike */
 } stresses;
 
-LANES_INLINE lanes stresses_way(const int32_t *at, const uint32_t from[LANES], const uint32_t to[LANES]) {
-  return lanes_shl(lanes_clamp(lanes_sub(lanes_of(at, to), lanes_of(at, from)), ELEMENT_REACH), 4);
-}
-
 /* No weight is so great that the triangle has been left too low. */
 LANES_INLINE int stresses_stout(const lanes r[4], int32_t steep) {
   const lanes u = lanes_add(r[0], r[1]);
@@ -49,8 +45,8 @@ LANES_INLINE int stresses_strain(const stress_view *v, uint32_t first, stresses 
   if (!stresses_stout(r, v->steep)) return 0;
   LONGS_UNROLLED
   for (int n = 0; n < 3; ++n) {
-    const lanes d1 = stresses_way(v->at[n], id[0], id[1]);
-    const lanes d2 = stresses_way(v->at[n], id[0], id[2]);
+    const lanes d1 = lanes_shl(records_way(v->at[n], id[0], id[1], ELEMENT_REACH), 4);
+    const lanes d2 = lanes_shl(records_way(v->at[n], id[0], id[2], ELEMENT_REACH), 4);
     u[n] = pulls_sum(&far, d1, r[0], d2, r[1], SHEET_WEIGHT_BITS);
     w[n] = pulls_sum(&far, d1, r[2], d2, r[3], SHEET_WEIGHT_BITS);
   }
@@ -98,7 +94,7 @@ LANES_INLINE int stresses_place(stresses *s, const lanes strain[3]) {
   const longs squared = longs_add(longs_mul(x, x), longs_mul(y, y));
   lanes m;
   const lanes_root root = lanes_rsqrt(squared, &m);
-  const lane_mask same = folds_below(squared, 1);
+  const lane_mask same = longs_below(squared, 1);
   const lanes length = lanes_root_length(root, m);
   const lanes spread = lanes_pick(same, zero, length);
   const lanes largest = lanes_add(lanes_asr(lanes_add(strain[0], strain[1]), 1), spread);

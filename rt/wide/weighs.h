@@ -19,18 +19,14 @@ typedef struct {
   lanes out[FOLDS_CONSTANTS];
 } weighs;
 
-LANES_INLINE lanes weighs_way(const int32_t *at, const uint32_t from[LANES], const uint32_t to[LANES]) {
-  return lanes_shl(lanes_clamp(lanes_sub(lanes_of(at, to), lanes_of(at, from)), HINGE_REACH / 16), 4);
-}
-
 LANES_INLINE void weighs_fetch(const weigh_view *v, uint32_t first, uint32_t count, weighs *s) {
   for (uint32_t n = 0; n < (uint32_t)LANES; ++n)
     for (uint32_t k = 0; k < 4; ++k) s->id[k][n] = v->creases[first + (n < count ? n : 0)].x[k];
   LONGS_UNROLLED
   for (int n = 0; n < 3; ++n) {
-    s->side[n] = weighs_way(v->at[n], s->id[2], s->id[3]);
-    s->to1[n] = weighs_way(v->at[n], s->id[3], s->id[0]);
-    s->to2[n] = weighs_way(v->at[n], s->id[3], s->id[1]);
+    s->side[n] = lanes_shl(records_way(v->at[n], s->id[2], s->id[3], HINGE_REACH / 16), 4);
+    s->to1[n] = lanes_shl(records_way(v->at[n], s->id[3], s->id[0], HINGE_REACH / 16), 4);
+    s->to2[n] = lanes_shl(records_way(v->at[n], s->id[3], s->id[1], HINGE_REACH / 16), 4);
   }
 }
 
@@ -38,7 +34,7 @@ LANES_INLINE lanes weighs_length(weighs *s, const lanes v[3]) {
   const longs squared = longs_squared(v);
   lanes m;
   const lanes_root root = lanes_rsqrt(squared, &m);
-  s->unsound = lanes_either(s->unsound, folds_below(squared, HINGE_LEAST));
+  s->unsound = lanes_either(s->unsound, longs_below(squared, HINGE_LEAST));
   return lanes_root_length(root, m);
 }
 
@@ -115,8 +111,8 @@ LANES_INLINE int weighs_group(const weigh_view *v, uint32_t first, uint32_t coun
   weighs_fetch(v, first, count, &s);
   s.far = longs_all(0);
   s.unsound = lanes_above(lanes_all(0), lanes_all(0));
-  folds_cross(s.side, s.to1, area1);
-  folds_cross(s.to2, s.side, area2);
+  longs_cross(s.side, s.to1, 28, area1);
+  longs_cross(s.to2, s.side, 28, area2);
   const lanes length1 = weighs_length(&s, area1);
   const lanes length2 = weighs_length(&s, area2);
   const lanes edge = weighs_length(&s, s.side);
@@ -144,16 +140,7 @@ LANES_INLINE int weighs_group(const weigh_view *v, uint32_t first, uint32_t coun
   return 1;
 }
 
-/* As many as none of LANES is left to the scalar code. */
-LANES_INLINE uint32_t weighs_run(const weigh_view *v, uint32_t first, uint32_t end) {
-  uint32_t at = first;
-  while (at < end) {
-    const uint32_t count = end - at < (uint32_t)LANES ? end - at : (uint32_t)LANES;
-    if (!weighs_group(v, at, count)) break;
-    at += count;
-  }
-  return at - first;
-}
+RECORDS_GROUPS(weighs_run, weigh_view, weighs_group)
 #endif
 
 #endif
