@@ -349,19 +349,28 @@ static node child_of(node parent, uint32_t n) {
   return child;
 }
 
-/* Pairs of the children of two nodes, or of one. */
-static uint32_t push_children(const tree *t, const visit *v, uint64_t *stack, uint32_t top) {
+static int may_meet(const fray_world *w, const tree *t, const visit *v) {
+  const self_box *boxes = w->boxes + t->first[v->level];
+  const uint32_t columns = t->columns[v->level];
+  if (!is_same(v) && !overlap(&boxes[v->a.j * columns + v->a.i], &boxes[v->b.j * columns + v->b.i])) return 0;
+  return !is_flat(w, v);
+}
+
+/* Pairs of the children of two nodes, or of one, that may meet. */
+static uint32_t push_children(const fray_world *w, const tree *t, const visit *v, uint64_t *stack, uint32_t top) {
   const uint32_t columns = t->columns[v->level - 1u];
   const uint32_t rows = t->rows[v->level - 1u];
   for (uint32_t m = 0; m < 4; ++m)
     for (uint32_t n = is_same(v) ? m : 0; n < 4; ++n) {
-      const node a = child_of(v->a, m);
-      const node b = child_of(v->b, n);
-      if (a.i < columns && b.i < columns && a.j < rows && b.j < rows) stack[top++] = packed(a, b, v->level - 1u);
+      const visit child = {child_of(v->a, m), child_of(v->b, n), v->level - 1u};
+      if (child.a.i < columns && child.b.i < columns && child.a.j < rows && child.b.j < rows &&
+          may_meet(w, t, &child))
+        stack[top++] = packed(child.a, child.b, child.level);
     }
   return top;
 }
 
+/* Both nodes of a visit have four children each. */
 static int find_pairs(fray_world *w, const tree *t) {
   uint64_t stack[STACK];
   const node root = {0, 0};
@@ -370,17 +379,14 @@ static int find_pairs(fray_world *w, const tree *t) {
   stack[0] = packed(root, root, t->levels);
   while (top > 0) {
     const visit v = unpacked(stack[--top]);
-    if (left == 0) return 0;
-    --left;
-    ++w->work.self_visits;
-    const self_box *boxes = w->boxes + t->first[v.level];
-    const uint32_t columns = t->columns[v.level];
-    if (!is_same(&v) && !overlap(&boxes[v.a.j * columns + v.a.i], &boxes[v.b.j * columns + v.b.i])) continue;
-    if (is_flat(w, &v)) continue;
+    const uint32_t looks = v.level == 0 ? 1 : is_same(&v) ? 10 : 16;
+    if (left < looks) return 0;
+    left -= looks;
+    w->work.self_visits += looks;
     if (v.level == 0)
       meet(w, &v);
     else
-      top = push_children(t, &v, stack, top);
+      top = push_children(w, t, &v, stack, top);
   }
   return 1;
 }
