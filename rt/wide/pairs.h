@@ -170,6 +170,13 @@ LANES_INLINE void pairs_stitched(pairs *runs_of, int runs, int one_class, pairs_
 #else
   (void)one_class;
 #endif
+#ifdef LANES_HALVES
+  if (runs == 2 && runs_of->run_i[0].count == LANES / 2 && runs_of->run_i[1].count == LANES / 2) {
+    runs_of->way = PAIRS_HALVES;
+    take(view, runs_of);
+    return;
+  }
+#endif
   switch (runs) {
     case 1: runs_of->way = 1; take(view, runs_of); break;
 #if LANES_RUNS == 4
@@ -246,13 +253,6 @@ LANES_INLINE void pairs_some(const pair_rows *s, uint32_t row, uint32_t count, i
     breaks &= breaks - 1u;
     begun = next;
   }
-#ifdef LANES_HALVES
-  if (runs == 2 && others == 0 && p.run_i[0].count == LANES / 2 && p.run_i[1].count == LANES / 2) {
-    p.way = PAIRS_HALVES;
-    take(view, &p);
-    return;
-  }
-#endif
   pairs_stitched(&p, runs, others == 0, take, view);
 }
 
