@@ -371,3 +371,34 @@ int sweep_point_triangle(const sweep_point *point, const sweep_point triangle[3]
   m.shape = FACET_TRIANGLE;
   return first_of(&m, contact);
 }
+
+/* Along the way to the nearest point, by the corner that is least far. */
+static int32_t apart_of(const facet *f, facet_shape shape) {
+  const facet coarse = facet_coarse(f, facet_excess(facet_extent(f), FACET_BITS));
+  const vec3 away = facet_narrow(facet_look(&coarse, shape).away, AWAY_BITS);
+  const uint64_t squared = vec_squared(away);
+  const int64_t corner = facet_dot_wide(f->corner, away);
+  const int64_t a = facet_dot_wide(f->a, away);
+  const int64_t b = facet_dot_wide(f->b, away);
+  const int64_t side = a < b ? a : b;
+  int64_t least = corner + (side < 0 ? side : 0);
+  if (shape == FACET_PARALLELOGRAM && a + b < side) least = corner + a + b;
+  if (least <= 0 || squared == 0) return 0;
+  /* as in reach_along() */
+  const uint32_t length = fx_root_length(fx_rsqrt(squared << 20, FX_ROOT_COARSE));
+  const uint32_t most = length + (length >> 18) + 2u;
+  const uint32_t apart = fx_divide_wide((uint64_t)least << 10, most);
+  return apart > INT32_MAX ? INT32_MAX : (int32_t)apart;
+}
+
+int32_t sweep_apart_edges(const sweep_point first[2], const sweep_point second[2]) {
+  const facet f = {vec_sub(second[0].begin, first[0].begin), vec_sub(first[0].begin, first[1].begin),
+                   vec_sub(second[1].begin, second[0].begin)};
+  return apart_of(&f, FACET_PARALLELOGRAM);
+}
+
+int32_t sweep_apart_point_triangle(const sweep_point *point, const sweep_point triangle[3]) {
+  const facet f = {vec_sub(triangle[0].begin, point->begin), vec_sub(triangle[1].begin, triangle[0].begin),
+                   vec_sub(triangle[2].begin, triangle[0].begin)};
+  return apart_of(&f, FACET_TRIANGLE);
+}

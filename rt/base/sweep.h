@@ -38,4 +38,9 @@ int sweep_edges(const sweep_point first[2], const sweep_point second[2], int32_t
 int sweep_point_triangle(const sweep_point *point, const sweep_point triangle[3], int32_t thickness,
                          sweep_contact *contact);
 
+/* How far they are from each other at t = 0 at least, Q24 lu: nearly all of it, 0 where they touch. Cost: a
+ * sixth of a contact. */
+int32_t sweep_apart_edges(const sweep_point first[2], const sweep_point second[2]);
+int32_t sweep_apart_point_triangle(const sweep_point *point, const sweep_point triangle[3]);
+
 #endif

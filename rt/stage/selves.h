@@ -65,7 +65,6 @@ int selves_push(fray_world *w, self_pair *pair);
 int selves_touch(fray_world *w, self_pair *pair);
 
 /* What is joined moves as one. */
-uint32_t selves_zone_of(fray_world *w, uint32_t particle);
 void selves_join(fray_world *w, const self_pair *pair);
 
 #endif
