@@ -37,7 +37,7 @@ typedef struct {
 typedef struct {
   uint32_t kept;     /* they may be there still */
   uint32_t pairs, met;
-  uint32_t lacks, full; /* while they are listed: there is no room for one; the others are joined */
+  uint32_t tight, lacks, full; /* while they are listed: only for this tick; there is no room for one; others are joined */
   uint32_t particles;
   int32_t topology[2];
   int32_t reach;     /* what is nearer to each other is listed */

@@ -101,6 +101,7 @@ static int stand_beside(fray_world *w) {
 /* The last resort: by the mean of all, then as one goes that cannot. */
 static void join_all(fray_world *w) {
   zones_join_all(w);
+  zones_slow(w);
   if (!stand_beside(w)) return;
   zones_move(w);
   if (stand_beside(w)) w->state->faults |= (int32_t)FRAY_FAULT_JAMMED;
@@ -114,6 +115,7 @@ void layers_run(fray_world *w) {
     layers_find(w);
     if (pass == 0) moved = push_pairs(w);
     join_pairs(w);
+    zones_slow(w);
     moved |= w->joined != 0;
     if (!zones_stay(w)) continue;
     if (!moved || !stand_beside(w)) return;

@@ -20,7 +20,7 @@
 enum {
   PER_STEP = 7,    /* 2 root 3, rounded up: halves */
   FAR = 64,        /* lu: nothing stands lower */
-  MARGIN_BITS = 3, /* what sweeps may be wrong by: that share of the least height that cuts leave */
+  MARGIN_BITS = 4, /* what sweeps may be wrong by: that share of the least height that cuts leave */
   ROOM = 3,        /* of these heights: what is listed beyond what a tick needs */
   SHORT = 24       /* segments of the list that are put in order one by one */
 };
@@ -138,28 +138,6 @@ static int overlap(const layer_box *a, const layer_box *b) {
 
 static int is_same_place(const sheet_mesh *s, uint32_t p, uint32_t q) { return s->u[p] == s->u[q] && s->v[p] == s->v[q]; }
 
-/* First of the two that is a vertex of the second: 1 where they have one in common; 2 where a tear has made two
- * of it. */
-static int relation(const sheet_mesh *s, const row_id *a, uint32_t as, const row_id *b, uint32_t bs) {
-  int found = 0;
-  for (uint32_t m = 0; m < as; ++m)
-    for (uint32_t n = 0; n < bs; ++n) {
-      if (a[m] == b[n]) return 1;
-      if (is_same_place(s, a[m], b[n])) found = 2;
-    }
-  return found;
-}
-
-static int are_near(const fray_world *w, const row_id *a, uint32_t as, const row_id *b, uint32_t bs, int32_t reach) {
-  extent of[2] = {nothing, nothing};
-  const vec3 zero = {0, 0, 0};
-  for (uint32_t n = 0; n < as; ++n) extend(&of[0], zero, w->ways[a[n]].begin);
-  for (uint32_t n = 0; n < bs; ++n) extend(&of[1], zero, w->ways[b[n]].begin);
-  for (uint32_t k = 0; k < 3; ++k)
-    if ((int64_t)of[1].low[k] - of[0].high[k] > reach || (int64_t)of[0].low[k] - of[1].high[k] > reach) return 0;
-  return 1;
-}
-
 static int32_t until_of(const fray_world *w, int32_t apart) {
   const int64_t left = (int64_t)apart - least_apart(w);
   return left < 0 ? -1 : fx_saturate(w->listed.path + 2 * left / PER_STEP);
@@ -180,10 +158,42 @@ static int are_one(const fray_world *w, const layer_pair *pair) {
   return 0;
 }
 
+static int has_kin(const sheet_mesh *s, const layer_pair *pair) {
+  const uint32_t as = pair->sides != 0 ? 2u : 1u;
+  for (uint32_t m = 0; m < as; ++m)
+    for (uint32_t n = as; n < 4; ++n)
+      if (is_same_place(s, pair->p[m], pair->p[n])) return 1;
+  return 0;
+}
+
+/* How far corners of the second go beside those of the first in this tick, at most. */
+static int64_t gone_beside(const fray_world *w, const layer_pair *pair) {
+  const uint32_t as = pair->sides != 0 ? 2u : 1u;
+  vec3 moved[4];
+  int32_t most = 0;
+  for (uint32_t n = 0; n < 4; ++n) {
+    const self_way *way = &w->ways[pair->p[n]];
+    moved[n] = vec_sub(way->end, way->begin);
+  }
+  for (uint32_t m = 0; m < as; ++m)
+    for (uint32_t n = as; n < 4; ++n) {
+      const vec3 beside = vec_sub(moved[n], moved[m]);
+      const uint32_t wide = fx_magnitude(beside.x) | fx_magnitude(beside.y) | fx_magnitude(beside.z);
+      most = fx_max(most, wide >= 1u << 29 ? INT32_MAX : zones_length(beside));
+    }
+  return most;
+}
+
+/* What is farther apart in the beginning does not meet in this tick. */
+static int64_t reach_of(const fray_world *w, const layer_pair *pair) {
+  return least_apart(w) + 2 * gone_beside(w, pair);
+}
+
 static void add_pair(fray_world *w, layer_pair *pair) {
   layer_list *l = &w->listed;
   const int32_t apart = layers_apart(w, pair);
-  if (apart > l->reach) return;
+  if (apart > l->reach || (l->tight != 0 && apart > reach_of(w, pair))) return;
+  pair->kin = (uint8_t)has_kin(&w->sheet, pair);
   if (l->full != 0) {
     if (!are_one(w, pair)) layers_join(w, pair);
   } else if (l->pairs < w->capacity[POOL_LAYERS]) {
@@ -194,35 +204,92 @@ static void add_pair(fray_world *w, layer_pair *pair) {
   }
 }
 
-static void consider(fray_world *w, const row_id *first, const row_id *second, uint32_t sides, uint32_t key) {
-  const uint32_t as = sides != 0 ? 2u : 1u;
-  const uint32_t bs = sides != 0 ? 2u : 3u;
-  const int related = relation(&w->sheet, first, as, second, bs);
-  layer_pair pair = {{0, 0, 0, 0}, key, 0, (uint8_t)sides, related == 2, 0, 0};
-  if (related == 1 || w->listed.lacks != 0 || !are_near(w, first, as, second, bs, w->listed.reach)) return;
-  for (uint32_t n = 0; n < as; ++n) pair.p[n] = first[n];
-  for (uint32_t n = 0; n < bs; ++n) pair.p[as + n] = second[n];
+/* Two triangles as they are held against each other. */
+typedef struct {
+  const row_id *a, *b;
+  vec3 at[2][3];
+  uint32_t common[3]; /* of each corner of the first: the second's that is the same vertex, a bit each */
+  uint32_t key;
+} duo;
+
+static int is_beside(int32_t a0, int32_t a1, int32_t b0, int32_t b1, int32_t reach) {
+  return (int64_t)fx_min(b0, b1) - fx_max(a0, a1) > reach || (int64_t)fx_min(a0, a1) - fx_max(b0, b1) > reach;
+}
+static int sides_are_beside(const vec3 a[3], uint32_t m, const vec3 b[3], uint32_t n, int32_t reach) {
+  const vec3 *p = &a[sheet_next(m)];
+  const vec3 *q = &a[sheet_last(m)];
+  const vec3 *r = &b[sheet_next(n)];
+  const vec3 *s = &b[sheet_last(n)];
+  return is_beside(p->x, q->x, r->x, s->x, reach) || is_beside(p->y, q->y, r->y, s->y, reach) ||
+         is_beside(p->z, q->z, r->z, s->z, reach);
+}
+static int is_off(const layer_box *box, vec3 p, int32_t more) {
+  return p.x < box->low[0] - more || p.x > box->high[0] + more || p.y < box->low[1] - more || p.y > box->high[1] + more ||
+         p.z < box->low[2] - more || p.z > box->high[2] + more;
+}
+
+/* The second's corners are beyond the first's along the way between their middles, farther than anything that is
+ * listed: so are all their parts. */
+static int are_parted(const duo *d, int32_t reach) {
+  const vec3 *a = d->at[0];
+  const vec3 *b = d->at[1];
+  const vec3 way = vec_make(
+      fx_asr(b[0].x, 5) + fx_asr(b[1].x, 5) + fx_asr(b[2].x, 5) - fx_asr(a[0].x, 5) - fx_asr(a[1].x, 5) - fx_asr(a[2].x, 5),
+      fx_asr(b[0].y, 5) + fx_asr(b[1].y, 5) + fx_asr(b[2].y, 5) - fx_asr(a[0].y, 5) - fx_asr(a[1].y, 5) - fx_asr(a[2].y, 5),
+      fx_asr(b[0].z, 5) + fx_asr(b[1].z, 5) + fx_asr(b[2].z, 5) - fx_asr(a[0].z, 5) - fx_asr(a[1].z, 5) - fx_asr(a[2].z, 5));
+  int64_t most = 0;
+  for (uint32_t n = 1; n < 3; ++n) {
+    const int64_t at = zones_along(a[0], a[n], way);
+    if (at > most) most = at;
+  }
+  most += fx_mul_wide(zones_length(way), reach);
+  return zones_along(a[0], b[0], way) > most && zones_along(a[0], b[1], way) > most && zones_along(a[0], b[2], way) > most;
+}
+
+static void add_corner(fray_world *w, row_id p, const row_id v[3], uint32_t key) {
+  layer_pair pair = {{p, v[0], v[1], v[2]}, key, 0, 0, 0, 0, 0};
+  add_pair(w, &pair);
+}
+static void add_sides(fray_world *w, const duo *d, uint32_t m, uint32_t n) {
+  layer_pair pair = {{d->a[sheet_next(m)], d->a[sheet_last(m)], d->b[sheet_next(n)], d->b[sheet_last(n)]},
+                     d->key + LAYERS_KINDS + 3u * m + n, 0, 1, 0, 0, 0};
   add_pair(w, &pair);
 }
 
-/* Two triangles: whose vertices and sides they are to look at. */
-static void meet(fray_world *w, uint32_t t, uint32_t other) {
-  const row_id *a = w->sheet.triangle[t].v;
-  const row_id *b = w->sheet.triangle[other].v;
-  const uint32_t own_a = w->layer_boxes[t].own;
-  const uint32_t own_b = w->layer_boxes[other].own;
-  const uint32_t key = other << 4;
+static uint32_t begin_duo(const fray_world *w, uint32_t t, uint32_t other, duo *d) {
+  uint32_t common = 0;
+  d->a = w->sheet.triangle[t].v;
+  d->b = w->sheet.triangle[other].v;
+  d->key = other << 4;
   for (uint32_t k = 0; k < 3; ++k) {
-    if ((own_a >> k & 1u) != 0) consider(w, &a[k], b, 0, key + k);
-    if ((own_b >> k & 1u) != 0) consider(w, &b[k], a, 0, key + 3u + k);
+    d->at[0][k] = w->ways[d->a[k]].begin;
+    d->at[1][k] = w->ways[d->b[k]].begin;
+    d->common[k] = (uint32_t)(d->a[k] == d->b[0]) | (uint32_t)(d->a[k] == d->b[1]) << 1 | (uint32_t)(d->a[k] == d->b[2]) << 2;
+    common |= d->common[k];
+  }
+  return common;
+}
+
+/* Whose vertices and sides they are to look at. Those of one vertex do not meet. */
+static void meet(fray_world *w, uint32_t t, uint32_t other) {
+  const layer_box *one = &w->layer_boxes[t];
+  const layer_box *two = &w->layer_boxes[other];
+  const int32_t reach = w->listed.reach;
+  const int32_t more = reach - reach / 2;
+  duo d;
+  const uint32_t common = begin_duo(w, t, other, &d);
+  if (common == 0 && are_parted(&d, reach)) return;
+  for (uint32_t k = 0; k < 3; ++k) {
+    if ((one->own >> k & 1u) != 0 && d.common[k] == 0 && !is_off(two, d.at[0][k], more)) add_corner(w, d.a[k], d.b, d.key + k);
+    if ((two->own >> k & 1u) != 0 && (common >> k & 1u) == 0 && !is_off(one, d.at[1][k], more))
+      add_corner(w, d.b[k], d.a, d.key + 3u + k);
   }
   for (uint32_t m = 0; m < 3; ++m) {
-    const row_id one[2] = {a[sheet_next(m)], a[sheet_last(m)]};
-    for (uint32_t n = 0; n < 3; ++n) {
-      const row_id two[2] = {b[sheet_next(n)], b[sheet_last(n)]};
-      if ((own_a >> (3u + m) & own_b >> (3u + n) & 1u) != 0)
-        consider(w, one, two, 1, key + LAYERS_KINDS + 3u * m + n);
-    }
+    const uint32_t has = d.common[sheet_next(m)] | d.common[sheet_last(m)];
+    if ((one->own >> (3u + m) & 1u) == 0) continue;
+    for (uint32_t n = 0; n < 3; ++n)
+      if ((two->own >> (3u + n) & 1u) != 0 && (has & ~(1u << n)) == 0 && !sides_are_beside(d.at[0], m, d.at[1], n, reach))
+        add_sides(w, &d, m, n);
   }
 }
 
@@ -302,19 +369,20 @@ static uint32_t box_all(fray_world *w) {
 }
 
 /* Triangle after triangle, and each has its place in a cell when it has been looked at. Where there is no room
- * for all, `joins`: what there is none for is joined, from the first triangle on of which something is; else
- * nothing is listed, and 0 returned. */
-static int list_all(fray_world *w, int64_t reach, int joins) {
+ * for all, 0 is returned; a tight list has only what may meet in this tick, and what it has no room for is joined,
+ * from the first triangle on of which something is. */
+static int list_all(fray_world *w, int64_t reach, uint32_t tight) {
   layer_list *l = &w->listed;
   const uint32_t triangles = (uint32_t)w->sheet.state->triangles;
   l->reach = (int32_t)fx_clamp64(reach, 0, FX_WORLD_MAX);
   l->path = 0;
+  l->tight = tight;
   l->pairs = l->kept = l->lacks = l->full = 0;
   const uint32_t cells = box_all(w);
   for (uint32_t t = 0; t < triangles; ++t) {
     list_triangle(w, t, cells);
     if (l->lacks != 0) {
-      if (!joins) return 0;
+      if (tight == 0) return 0;
       l->lacks = 0;
       l->full = 1;
       list_triangle(w, t, cells);
@@ -337,9 +405,9 @@ static void keep(fray_world *w) {
 static void make_list(fray_world *w) {
   const int64_t roomy = least_apart(w) + ROOM * (int64_t)w->sheet.params->height_min;
   const int64_t fast = least_reach(w, w->listed.spread);
-  if (list_all(w, roomy > fast ? roomy : fast, 0) || list_all(w, least_reach(w, 0), 1))
+  if (list_all(w, roomy > fast ? roomy : fast, 0))
     keep(w);
-  else
+  else if (!list_all(w, least_reach(w, 0), 1))
     w->state->faults |= (int32_t)FRAY_FAULT_SELVES;
 }
 
@@ -350,8 +418,9 @@ static void find_met(fray_world *w) {
   for (uint32_t n = 0; n < l->pairs; ++n) {
     layer_pair *pair = &w->layers[n];
     if (pair->until > now) continue;
-    pair->until = until_of(w, layers_apart(w, pair));
-    if (pair->until > now || are_one(w, pair)) continue;
+    const int32_t apart = layers_apart(w, pair);
+    pair->until = until_of(w, apart);
+    if (pair->until > now || apart > reach_of(w, pair) || are_one(w, pair)) continue;
     pair->looked = pair->near = 0;
     w->layers_met[l->met++] = n;
   }

@@ -62,7 +62,7 @@ static vec3 moved_of(const fray_world *w, uint32_t p) {
 }
 
 static void weigh_zones(fray_world *w) {
-  static const self_zone empty = {{0, 0, 0}, 0, 0, SELF_NOBODY};
+  static const self_zone empty = {{0, 0, 0}, 0, {0, 0, 0}, 0, 0, SELF_NOBODY};
   const heft weighs = heft_of(w);
   for (uint32_t p = 0; p < w->particles; ++p) w->zones[p] = empty;
   for (uint32_t p = 0; p < w->particles; ++p) {
@@ -104,6 +104,80 @@ int zones_stay(const fray_world *w) {
       return 0;
   }
   return 1;
+}
+
+FX_WRAPS static int64_t wrap_add64(int64_t a, int64_t b) { return (int64_t)((uint64_t)a + (uint64_t)b); }
+
+/* About the mean, by the weights of places, which keep the sum in 64 bits. */
+static void find_means(fray_world *w) {
+  const heft weighs = heft_of(w);
+  for (uint32_t p = 0; p < w->particles; ++p) {
+    self_zone *z = &w->zones[p];
+    z->sum[0] = z->sum[1] = z->sum[2] = z->whole = 0;
+    z->mass = 0;
+    z->held = SELF_NOBODY; /* here the heaviest */
+  }
+  for (uint32_t p = (uint32_t)w->params->held; p < w->particles; ++p) {
+    self_zone *z = &w->zones[zones_of(w, p)];
+    const int32_t weight = weight_of(w, &weighs, p);
+    z->mass += weight;
+    z->sum[0] += (int64_t)w->vx[p] * weight;
+    z->sum[1] += (int64_t)w->vy[p] * weight;
+    z->sum[2] += (int64_t)w->vz[p] * weight;
+    z->whole += (int64_t)w->sheet.mass[p];
+    if (z->held == SELF_NOBODY || w->sheet.mass[z->held] < w->sheet.mass[p]) z->held = p;
+  }
+  for (uint32_t p = 0; p < w->particles; ++p) {
+    self_zone *z = &w->zones[p];
+    for (uint32_t k = 0; k < 3 && z->mass != 0; ++k) {
+      z->mean[k] = (int32_t)(z->sum[k] / z->mass);
+      z->sum[k] = 0; /* from here on the momentum that is lacking */
+    }
+  }
+}
+
+static int is_slowed(const self_zone *z) {
+  const int32_t most = FX_SPEED_MAX / 2;
+  for (uint32_t k = 0; k < 3; ++k)
+    if (z->mean[k] < -most || z->mean[k] > most) return 0;
+  return z->members > 1;
+}
+
+static void take_mean(fray_world *w, int32_t *speed, uint32_t k) {
+  for (uint32_t p = (uint32_t)w->params->held; p < w->particles; ++p) {
+    self_zone *z = &w->zones[zones_of(w, p)];
+    if (!is_slowed(z)) continue;
+    z->sum[k] = wrap_add64(z->sum[k], (int64_t)w->sheet.mass[p] * ((int64_t)speed[p] - z->mean[k]));
+    speed[p] = z->mean[k];
+  }
+}
+
+/* To all of a zone, then to its heaviest, then to the next. */
+static void give_back(fray_world *w, int32_t *speed, uint32_t k) {
+  int32_t *owed = &w->sheet.state->owed[k];
+  for (uint32_t p = (uint32_t)w->params->held; p < w->particles; ++p) {
+    const self_zone *z = &w->zones[zones_of(w, p)];
+    if (is_slowed(z)) speed[p] = fx_saturate(speed[p] + z->sum[k] / z->whole);
+  }
+  for (uint32_t p = 0; p < w->particles; ++p) {
+    const self_zone *z = &w->zones[p];
+    if (w->zone_of[p] != p || z->mass == 0 || !is_slowed(z)) continue;
+    const int64_t mass = (int64_t)w->sheet.mass[z->held];
+    const int64_t rest = z->sum[k] % z->whole + *owed;
+    const int64_t more = rest / mass;
+    speed[z->held] = fx_saturate(speed[z->held] + more);
+    *owed = (int32_t)(rest - more * mass);
+  }
+}
+
+void zones_slow(fray_world *w) {
+  int32_t *const speeds[3] = {w->vx, w->vy, w->vz};
+  if (!w->joined) return;
+  find_means(w);
+  for (uint32_t k = 0; k < 3; ++k) {
+    take_mean(w, speeds[k], k);
+    give_back(w, speeds[k], k);
+  }
 }
 
 void zones_join_all(fray_world *w) {

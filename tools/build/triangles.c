@@ -201,7 +201,7 @@ static int fill_triangles(const draft *d, const mesh *m, fray_world *w) {
   return 1;
 }
 
-/* A 64th of the least height of a triangle is what the search allows a push for. */
+/* Half the thickness, or a 64th of the least height of a triangle, is what the search allows a push for. */
 static int fill_layers(const draft *d, fray_world *w) {
   const int32_t height = w->sheet.params->height_min; /* a quarter of it */
   selves_params *k = WRITABLE(selves_params, w->selves);
@@ -211,7 +211,7 @@ static int fill_layers(const draft *d, fray_world *w) {
   if (k->thickness > 2 * (int64_t)height)
     return draft_refuse(d, d->scene->triangles.line, "self_thickness: expected at most half of the least height of "
                         "a triangle, so that triangles side by side do not meet");
-  k->slack = height / 16;
+  k->slack = fx_max(1, fx_min(height / 16, k->thickness / 2));
   return 1;
 }
 
