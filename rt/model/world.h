@@ -142,7 +142,12 @@ struct fray_world {
   /* of triangles that meet each other: kept as long as nothing has gone far, never state */
   layer_pair *layers;
   uint32_t *layers_met;      /* of them, those that may meet in this tick */
-  vec3 *layers_from;         /* particle -> where it was when they were listed */
+  int32_t *layers_gone;      /* particle -> how far it goes */
+  layer_way *layer_ways;     /* of a triangle */
+  int32_t *layer_soon;       /* triangle -> its path, and twice what it goes in this tick */
+  row_id *layer_wide;        /* triangles that are wider than a cell, and those that are to be listed */
+  row_id *layer_stale;
+  uint32_t *layer_counts;    /* of a triangle, and one more: pairs that it has */
   layer_box *layer_boxes;    /* of a triangle */
   row_id *layer_next;        /* triangle -> the one before it in its cell */
   row_id *layer_cells;       /* the last triangle of a cell */

@@ -19,18 +19,18 @@ layer_meeting layers_meeting(const fray_world *w, const layer_pair *pair) {
 int32_t layers_apart(const fray_world *w, const layer_pair *pair) {
   sweep_point at[4];
   for (uint32_t n = 0; n < 4; ++n) at[n].begin = at[n].end = w->ways[pair->p[n]].begin;
-  return pair->sides != 0 ? sweep_apart_edges(&at[0], &at[2]) : sweep_apart_point_triangle(&at[0], &at[1]);
+  return layer_firsts(pair) == 2 ? sweep_apart_edges(&at[0], &at[2]) : sweep_apart_point_triangle(&at[0], &at[1]);
 }
 
 static int sweep(fray_world *w, const layer_pair *pair, const layer_meeting *m, int32_t thickness, sweep_contact *c) {
   ++w->work.self_sweeps;
-  return pair->sides != 0 ? sweep_edges(&m->way[0], &m->way[2], thickness, c)
+  return layer_firsts(pair) == 2 ? sweep_edges(&m->way[0], &m->way[2], thickness, c)
                           : sweep_point_triangle(&m->way[0], &m->way[1], thickness, c);
 }
 
 /* Q15 of each corner in the way from the first's point to the second's. */
 static void weights_of(const layer_pair *pair, const sweep_contact *c, int32_t b[4]) {
-  if (pair->sides != 0) {
+  if (layer_firsts(pair) == 2) {
     b[0] = c->at[0] - SWEEP_ONE;
     b[1] = -c->at[0];
     b[2] = SWEEP_ONE - c->at[1];
@@ -223,7 +223,7 @@ static int64_t along(vec3 from, vec3 to, vec3 normal) {
 
 /* The second is beyond the first along the normal at begin and end, and so in between. */
 static int is_beyond(const layer_pair *pair, const layer_meeting *m, vec3 normal) {
-  const uint32_t as = pair->sides != 0 ? 2u : 1u;
+  const uint32_t as = layer_firsts(pair);
   int64_t most[2] = {0, 0};
   if (as == 2) {
     most[0] = along(m->way[0].begin, m->way[1].begin, normal);
