@@ -25,7 +25,7 @@ typedef struct {
   uint8_t looked; /* as of self_pair */
   uint8_t near;
 } layer_pair;
-static inline uint32_t layer_firsts(const layer_pair *pair) { return pair->kind < LAYERS_CORNERS ? 1u : 2u; }
+static inline uint32_t layer_firsts(const layer_pair *of) { return of->kind < LAYERS_CORNERS ? 1u : 2u; }
 
 /* A triangle where it is, and as much around it as it may go until it is looked at again. */
 typedef struct {

@@ -144,7 +144,7 @@ struct fray_world {
   uint32_t *layers_met;      /* of them, those that may meet in this tick */
   int32_t *layers_gone;      /* particle -> how far it goes */
   layer_way *layer_ways;     /* of a triangle */
-  int32_t *layer_soon;       /* triangle -> its path, and twice what it goes in this tick */
+  int32_t *layer_soon;       /* triangle -> its path, and what it goes in this tick */
   row_id *layer_wide;        /* triangles that are wider than a cell, and those that are to be listed */
   row_id *layer_stale;
   uint32_t *layer_counts;    /* of a triangle, and one more: pairs that it has */

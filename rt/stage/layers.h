@@ -17,8 +17,8 @@ typedef struct {
   sweep_point way[4];
 } layer_meeting;
 layer_meeting layers_meeting(const fray_world *w, const layer_pair *pair);
-/* How far they are from each other when the tick begins, at least. */
-int32_t layers_apart(const fray_world *w, const layer_pair *pair);
+/* How far they are from each other, at least, when the tick begins and along that direction when it ends. */
+sweep_gap layers_gap(const fray_world *w, const layer_pair *pair);
 
 /* As selves_push() and selves_touch(). */
 int layers_push(fray_world *w, layer_pair *pair);

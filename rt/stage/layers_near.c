@@ -6,14 +6,10 @@
  * go, together, until they can meet, by what separated them when they were looked at last. All count the ways of a
  * triangle's corners, by the longest, less the mean of all: what everything moves by brings nothing nearer.
  *
- * The list is no state. What is missing in it, or passed over, is so far apart on this tick's ways that a sweep
- * would find nothing; so a list that has more, or was made at another time, gives the same result to the last
- * bit. It is made anew when the sheet has torn, and in a world just opened.
- *
- * A sweep looks, at some time of the tick, along the way between the two where they are nearest then. If in the
- * beginning they are farther apart than the thickness by twice what they go in the tick, once to that time and
- * once for all of the tick from there, that direction separates them all the way; and a margin for what sweeps
- * round.
+ * What may meet in this tick is those that are no farther apart than the thickness and what they go beside each
+ * other, and that the direction in which they are nearest when it begins does not separate when it ends. That follows
+ * from the state and the ways of the tick alone. So the list is no state: one that has more, or was made at another
+ * time, gives the same result to the last bit. It is made anew when the sheet has torn, and in a world just opened.
  *
  * Boxes of triangles stand in cells, by their lower corner; each looks into 27. Those that are wider than a cell
  * stand in a list of their own. */
@@ -21,9 +17,8 @@
 
 enum {
   FAR = 64,        /* lu: nothing stands lower */
-  MARGIN_BITS = 4, /* what sweeps may be wrong by: that share of the least height that cuts leave */
   SHORT = 24,      /* segments of the list that are put in order one by one */
-  FAST = 6,        /* room of a triangle, in ways of this tick, at least */
+  FAST = 4,        /* room of a triangle, in ways of this tick, at least */
   PATH_MOST = 1 << 28,
   STALE = INT32_MAX /* layer_soon of what is to be listed again */
 };
@@ -82,8 +77,7 @@ void layers_went(fray_world *w) {
 
 /* Two that are farther apart do not meet, if they do not go anywhere. */
 static int64_t least_apart(const fray_world *w) {
-  return (int64_t)w->selves->thickness + 4 * (int64_t)w->selves->slack +
-         fx_asr(w->sheet.params->height_min, MARGIN_BITS);
+  return (int64_t)w->selves->thickness + 4 * (int64_t)w->selves->slack;
 }
 
 /* How far corners of the second go beside those of the first in this tick, at most. */
@@ -99,9 +93,9 @@ static int64_t gone_beside(const fray_world *w, const layer_pair *pair) {
   return most;
 }
 
-/* What is farther apart in the beginning does not meet in this tick. */
-static int64_t reach_of(const fray_world *w, const layer_pair *pair) {
-  return least_apart(w) + 2 * gone_beside(w, pair);
+static int may_meet(const fray_world *w, const layer_pair *pair, sweep_gap gap) {
+  const int64_t least = least_apart(w);
+  return (gap.begin <= least || gap.end <= least) && gap.begin <= least + gone_beside(w, pair);
 }
 
 /* ---- boxes and cells ---- */
@@ -195,27 +189,27 @@ static uint8_t has_kin(const sheet_mesh *s, const layer_pair *pair) {
 }
 
 /* Of a pair that stands in the list. */
-static void look_at(fray_world *w, uint32_t n, int32_t apart) {
+static void look_at(fray_world *w, uint32_t n, sweep_gap gap) {
   layer_pair *pair = &w->layers[n];
-  const int64_t left = (int64_t)apart - least_apart(w);
+  const int64_t left = (int64_t)gap.begin - least_apart(w);
   const int64_t path = (int64_t)w->layer_ways[pair->of[0]].path + w->layer_ways[pair->of[1]].path;
   pair->until = fx_saturate(path + left);
   if (left > 0 && (int64_t)w->layer_soon[pair->of[0]] + w->layer_soon[pair->of[1]] < pair->until) return;
-  if (apart > reach_of(w, pair) || are_one(w, pair)) return;
+  if (!may_meet(w, pair, gap) || are_one(w, pair)) return;
   pair->looked = pair->near = 0;
   w->layers_met[w->listed.met++] = n;
 }
 
 static void add_pair(fray_world *w, layer_pair *pair, int64_t reach) {
   layer_list *l = &w->listed;
-  const int32_t apart = layers_apart(w, pair);
-  if (apart > reach || (l->tight != 0 && apart > reach_of(w, pair))) return;
+  const sweep_gap gap = layers_gap(w, pair);
+  if (gap.begin > reach || (l->tight != 0 && !may_meet(w, pair, gap))) return;
   pair->kin = has_kin(&w->sheet, pair);
   if (l->full != 0) {
     if (!are_one(w, pair)) layers_join(w, pair);
   } else if (l->pairs < w->capacity[POOL_LAYERS]) {
     w->layers[l->pairs++] = *pair;
-    look_at(w, l->pairs - 1u, apart);
+    look_at(w, l->pairs - 1u, gap);
   } else {
     l->lacks = 1;
   }
@@ -361,7 +355,7 @@ static void put_all(fray_world *w) {
 static void give_room(fray_world *w, uint32_t t, int32_t usual) {
   layer_way *way = &w->layer_ways[t];
   const int32_t soon = fx_saturate((int64_t)FAST * gone_of(w, t));
-  way->room = usual == 0 ? fx_saturate(2 * (int64_t)gone_of(w, t)) : fx_max(soon, usual);
+  way->room = usual == 0 ? gone_of(w, t) : fx_max(soon, usual);
   way->limit = fx_saturate((int64_t)way->path + way->room);
 }
 
@@ -393,7 +387,7 @@ static void find_stale(fray_world *w) {
   l->stale = l->met = 0;
   for (uint32_t t = 0; t < (uint32_t)w->sheet.state->triangles; ++t) {
     const layer_way *way = &w->layer_ways[t];
-    const int64_t soon = way->path + 2 * (int64_t)gone_of(w, t);
+    const int64_t soon = (int64_t)way->path + gone_of(w, t);
     w->layer_soon[t] = soon > way->limit ? STALE : (int32_t)soon;
     if (soon > way->limit) w->layer_stale[l->stale++] = (row_id)t;
   }
@@ -409,7 +403,7 @@ static void look_at_list(fray_world *w) {
     if (soon >= STALE) continue; /* two that are not add up to less */
     if (kept != n) w->layers[kept] = *pair;
     ++kept;
-    if (soon >= w->layers[kept - 1u].until) look_at(w, kept - 1u, layers_apart(w, &w->layers[kept - 1u]));
+    if (soon >= w->layers[kept - 1u].until) look_at(w, kept - 1u, layers_gap(w, &w->layers[kept - 1u]));
   }
   l->pairs = kept;
 }

@@ -16,10 +16,9 @@ layer_meeting layers_meeting(const fray_world *w, const layer_pair *pair) {
   return m;
 }
 
-int32_t layers_apart(const fray_world *w, const layer_pair *pair) {
-  sweep_point at[4];
-  for (uint32_t n = 0; n < 4; ++n) at[n].begin = at[n].end = w->ways[pair->p[n]].begin;
-  return layer_firsts(pair) == 2 ? sweep_apart_edges(&at[0], &at[2]) : sweep_apart_point_triangle(&at[0], &at[1]);
+sweep_gap layers_gap(const fray_world *w, const layer_pair *pair) {
+  const layer_meeting m = layers_meeting(w, pair);
+  return layer_firsts(pair) == 2 ? sweep_gap_edges(&m.way[0], &m.way[2]) : sweep_gap_point_triangle(&m.way[0], &m.way[1]);
 }
 
 static int sweep(fray_world *w, const layer_pair *pair, const layer_meeting *m, int32_t thickness, sweep_contact *c) {
