@@ -132,14 +132,13 @@ static void give_body(fray_world *w, const layer_pair *pair, const int64_t gaine
 }
 
 /* What they approach by is taken away: they part or go on together. */
-static void stop_approach(fray_world *w, const layer_pair *pair, const int32_t b[4], vec3 normal) {
-  int32_t ratio[4];
+static void stop_approach(fray_world *w, const layer_pair *pair, const int32_t b[4], const int32_t ratio[4], vec3 normal) {
   int32_t change[3][4];
   int64_t gained[3];
   const int64_t speed = speed_along(w, pair, b, normal);
   const uint32_t last = heaviest_of(w, pair);
   int kept = 1;
-  if (speed >= 0 || last == 4 || is_too_fast(w, pair) || !ratios_of(w, pair, b, ratio)) return;
+  if (speed >= 0 || last == 4 || is_too_fast(w, pair)) return;
   const int32_t amount = (int32_t)fx_clamp64(-speed, 0, FX_SPEED_MAX / 16);
   for (uint32_t n = 0; n < 4; ++n) {
     const vec3 by = vec_scale_unit(normal, (int32_t)fx_round64(fx_mul_wide(amount, ratio[n]), SHARE_BITS));
@@ -155,19 +154,6 @@ static void stop_approach(fray_world *w, const layer_pair *pair, const int32_t b
 }
 
 /* ---- the push ---- */
-
-/* How far each corner goes for a step of the gap, Q16, none farther than it; as in press.c not by masses. */
-static int shares_of(const fray_world *w, const layer_pair *pair, const int32_t b[4], int32_t share[4]) {
-  int64_t whole = 0;
-  for (uint32_t n = 0; n < 4; ++n)
-    if (!is_held(w, pair->p[n])) whole += fx_mul_wide(b[n], b[n]);
-  if (whole < SWEEP_ONE) return 0;
-  for (uint32_t n = 0; n < 4; ++n) {
-    const int64_t part = is_held(w, pair->p[n]) ? 0 : (int64_t)b[n] * ((int64_t)1 << (15 + SHARE_BITS)) / whole;
-    share[n] = (int32_t)fx_clamp64(part, -SHARE_MOST, SHARE_MOST);
-  }
-  return 1;
-}
 
 static void move_by(fray_world *w, uint32_t p, vec3 by) {
   w->x[p] = fx_add(w->x[p], by.x);
@@ -202,10 +188,11 @@ int layers_push(fray_world *w, layer_pair *pair) {
   weights_of(pair, &c, b);
   /* those that began nearer than that part slowly */
   int32_t wanted = thickness;
-  if (c.time == 0) wanted = fx_clamp(gap_along(begin, b, c.normal), 0, thickness - thickness / 8) + thickness / 8;
+  if (c.time == 0) wanted = fx_clamp(gap_along(begin, b, c.normal), 0, thickness - thickness / 128) + thickness / 128;
   const int64_t missing = (int64_t)wanted - gap_along(end, b, c.normal);
-  stop_approach(w, pair, b, c.normal);
-  if (missing <= 0 || !shares_of(w, pair, b, share)) return 0;
+  if (!ratios_of(w, pair, b, share)) return 0;
+  stop_approach(w, pair, b, share, c.normal);
+  if (missing <= 0) return 0;
   const int32_t by = (int32_t)(missing < FX_LU / 8 ? missing : FX_LU / 8);
   for (uint32_t n = 0; n < 4; ++n)
     if (share[n] != 0)
