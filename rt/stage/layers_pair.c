@@ -131,15 +131,17 @@ static void give_body(fray_world *w, const layer_pair *pair, const int64_t gaine
   body_gave(&w->motion[w->grip_body[pair->p[n]]], gained[0] / unit, gained[1] / unit, gained[2] / unit);
 }
 
-/* What they approach by is taken away: they part or go on together. */
-static void stop_approach(fray_world *w, const layer_pair *pair, const int32_t b[4], const int32_t ratio[4], vec3 normal) {
+/* What they approach by is taken away: they part or go on together. Those that are `pushed` go on together: at the
+ * end of its tick what has met something may swing back already, and would gain by each push. */
+static void stop_approach(fray_world *w, const layer_pair *pair, const int32_t b[4], const int32_t ratio[4], vec3 normal,
+                          int pushed) {
   int32_t change[3][4];
   int64_t gained[3];
   const int64_t speed = speed_along(w, pair, b, normal);
   const uint32_t last = heaviest_of(w, pair);
   int kept = 1;
-  if (speed >= 0 || last == 4 || is_too_fast(w, pair)) return;
-  const int32_t amount = (int32_t)fx_clamp64(-speed, 0, FX_SPEED_MAX / 16);
+  if ((speed >= 0 && !pushed) || last == 4 || is_too_fast(w, pair)) return;
+  const int32_t amount = (int32_t)fx_clamp64(-speed, -FX_SPEED_MAX / 16, FX_SPEED_MAX / 16);
   for (uint32_t n = 0; n < 4; ++n) {
     const vec3 by = vec_scale_unit(normal, (int32_t)fx_round64(fx_mul_wide(amount, ratio[n]), SHARE_BITS));
     change[0][n] = by.x;
@@ -191,8 +193,8 @@ int layers_push(fray_world *w, layer_pair *pair) {
   if (c.time == 0) wanted = fx_clamp(gap_along(begin, b, c.normal), 0, thickness - thickness / 128) + thickness / 128;
   const int64_t missing = (int64_t)wanted - gap_along(end, b, c.normal);
   if (!ratios_of(w, pair, b, share)) return 0;
-  stop_approach(w, pair, b, share, c.normal);
-  if (missing <= 0) return 0;
+  stop_approach(w, pair, b, share, c.normal, missing > 0);
+  if (missing <= 0 || missing > thickness) return 0;
   const int32_t by = (int32_t)(missing < FX_LU / 8 ? missing : FX_LU / 8);
   for (uint32_t n = 0; n < 4; ++n)
     if (share[n] != 0)
