@@ -168,10 +168,10 @@ static const char folded[] =
     "plane ground { at 0 -6.5 0 cm friction 0.5 }\n";
 static const char boxed[] =
     "scene boxed\nrate 1000 Hz\n%s\n"
-    "triangles {\n columns 12\n rows 12\n edge 1 cm\n mesh irregular 4\n material pants\n drag 0.5 /s\n plane horizontal\n"
+    "triangles {\n columns 8\n rows 16\n edge 1 cm\n mesh irregular 4\n material t-shirt\n drag 0.5 /s\n"
     " thickness 0.05 cm\n %s\n}\n"
-    "mesh crate { obj \"tests/scenes/meshes/box.obj\" unit 1.5 cm at 0.4 -2.5 0.3 cm friction 0.3 }\n"
-    "plane ground { at 0 -6 0 cm friction 0.5 }\n";
+    "mesh crate { obj \"tests/scenes/meshes/box.obj\" unit 1 cm at 0.4 -9 0.3 cm friction 0.3 }\n"
+    "plane ground { at 0 -11 0 cm friction 0.5 }\n";
 static const char torn[] =
     "scene torn\nrate 1000 Hz\nwind 4 0 2 m/s\n%s\n"
     "triangles {\n columns 12\n rows 9\n edge 2 cm\n mesh irregular 6\n material rag\n drag 0.5 /s\n strain_limit 40 %%\n"
