@@ -8,16 +8,17 @@
 
 enum {
   LIMIT_LAYERS = 1 << 22,
-  LAYERS_CELLS = 2,   /* a triangle */
   LAYERS_CORNERS = 6, /* kinds of pairs of a vertex and a triangle; above that two sides */
-  LAYERS_LOOKS = SELVES_PASSES + 2 /* at bodies, behind each pass */
+  LAYERS_LOOKS = SELVES_PASSES + 2, /* at bodies, behind each pass */
+  LAYERS_ACROSS = 8,  /* tiles along weft and warp at most */
+  LAYERS_TILES = LAYERS_ACROSS * LAYERS_ACROSS,
+  LAYERS_TILE = 32    /* triangles of a tile, about, at least */
 };
-#define LAYERS_NOBODY ((row_id)~0u)
 
 /* A vertex p[0] and a triangle, or two sides, that are near each other, and the triangles that have to look at
  * them: `of` with the greater number first. */
 typedef struct {
-  int32_t until;  /* how far both may go together, layer_way.path, before they can meet */
+  int32_t until;  /* how far both may go, layer_way.path and that of their tiles, before they can meet */
   row_id of[2];
   row_id p[4];
   uint8_t kind;   /* to LAYERS_CORNERS - 1: a vertex of the first, then of the second; then sides, 3 m + n */
@@ -27,29 +28,48 @@ typedef struct {
 } layer_pair;
 static inline uint32_t layer_firsts(const layer_pair *of) { return of->kind < LAYERS_CORNERS ? 1u : 2u; }
 
-/* A triangle where it is, and as much around it as it may go until it is looked at again. */
+/* A triangle where the tick began. */
 typedef struct {
   int32_t low[3], high[3];
-  uint32_t cell[3];
-  uint32_t own; /* bits 0 to 2: vertices that are this triangle's to look at, 3 to 5: sides */
+  row_id v[3];  /* as it was listed */
+  uint8_t own;  /* bits 0 to 2: vertices that are this triangle's to look at, 3 to 5: sides */
+  uint8_t tile;
 } layer_box;
 
-/* How far a triangle has gone, by the farthest of its corners, beside the mean of all; Q24 lu. */
+/* How far a triangle has gone, by the farthest of its corners, beside the mean of its tile; Q24 lu. */
 typedef struct {
   int32_t path;  /* since all were listed */
   int32_t limit; /* of path: all that it may meet until then is listed */
   int32_t room;  /* of it, when it was listed */
 } layer_way;
 
+/* Triangles that are near each other at rest, and what their corners go by in the mean. */
+typedef struct {
+  int32_t low[3], high[3];
+  vec3 mean;
+  int32_t room, gone; /* the most of its triangles */
+  uint32_t first, end; /* of them, in layer_order */
+} layer_tile;
+
+/* Of two tiles: how far one has gone beside the other, as of triangles. limit below 0: they are far apart, and
+ * nothing of them is listed. */
+typedef struct {
+  layer_tile tile[LAYERS_TILES];
+  int32_t path[LAYERS_TILES][LAYERS_TILES];
+  int32_t limit[LAYERS_TILES][LAYERS_TILES];
+  int32_t soon[LAYERS_TILES][LAYERS_TILES]; /* path, and that of this tick; LAYERS_STALE */
+} layer_tiles;
+#define LAYERS_STALE INT32_MAX
+
 /* Of the pairs that are listed. */
 typedef struct {
   uint32_t kept;   /* they may be there still */
-  uint32_t pairs, met;
-  uint32_t particles;
+  uint32_t pairs, met, stale;
+  uint32_t particles, triangles; /* that were there */
   int32_t topology[2];
   int32_t usual;   /* how far a triangle may go until it is listed again, if it is not fast */
-  uint32_t cells, wide, stale;
-  int32_t cell;    /* how wide one is, Q24 lu */
+  uint32_t across; /* tiles */
+  int32_t low[2], size[2]; /* at rest: where they begin, how wide one is */
   uint32_t tight, lacks, full; /* only what may meet in this tick; there is no room for one; others are joined */
 } layer_list;
 

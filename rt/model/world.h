@@ -141,16 +141,14 @@ struct fray_world {
   uint8_t round;
   /* of triangles that meet each other: kept as long as nothing has gone far, never state */
   layer_pair *layers;
-  uint32_t *layers_met;      /* of them, those that may meet in this tick */
-  int32_t *layers_gone;      /* particle -> how far it goes */
+  uint32_t *layers_met;      /* of them, those that may meet in this tick; behind them, place to order them */
   layer_way *layer_ways;     /* of a triangle */
   int32_t *layer_soon;       /* triangle -> its path, and what it goes in this tick */
-  row_id *layer_wide;        /* triangles that are wider than a cell, and those that are to be listed */
-  row_id *layer_stale;
-  uint32_t *layer_counts;    /* of a triangle, and one more: pairs that it has */
   layer_box *layer_boxes;    /* of a triangle */
-  row_id *layer_next;        /* triangle -> the one before it in its cell */
-  row_id *layer_cells;       /* the last triangle of a cell */
+  row_id *layer_order;       /* triangles by tiles */
+  row_id *layer_stale;       /* those that are to be listed */
+  uint32_t *layer_counts;    /* of a triangle: pairs that it has */
+  layer_tiles *tiles;
   uint8_t *stands;           /* particle -> 1: put back beside a body in this tick */
   layer_list listed;
   uint32_t sharp;            /* meshes that cut, a bit each; as long as the world */

@@ -1,34 +1,29 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Which vertices and triangles, and which sides, may meet in a tick.
  *
- * A list of all that is near each other is kept from tick to tick, with more in it than a tick needs. Each
- * triangle has room to go; when that is used up it alone is looked for again. Each pair says how far its two may
- * go, together, until they can meet, by what separated them when they were looked at last. All count the ways of a
- * triangle's corners, by the longest, less the mean of all: what everything moves by brings nothing nearer.
+ * A list of all that is near each other is kept from tick to tick, with more in it than a tick needs. Triangles
+ * that are near each other at rest are a tile. Each triangle has room to go beside its tile, and each two tiles
+ * beside each other; when that is used up that triangle alone, or those two tiles, are looked at again, as are
+ * triangles that a tear or cut has changed. Each pair says how far its two may go, together, until they can meet,
+ * by what separated them when they were looked at last. Ways are those of corners, by the longest, less the mean
+ * of the tile: what a part of the sheet moves by brings nothing in it nearer.
  *
  * What may meet in this tick is those that are no farther apart than the thickness and what they go beside each
  * other, and that the direction in which they are nearest when it begins does not separate when it ends. That follows
  * from the state and the ways of the tick alone. So the list is no state: one that has more, or was made at another
- * time, gives the same result to the last bit. It is made anew when the sheet has torn, and in a world just opened.
- *
- * Boxes of triangles stand in cells, by their lower corner; each looks into 27. Those that are wider than a cell
- * stand in a list of their own. */
+ * time, gives the same result to the last bit. In a world just opened there is none. */
 #include "rt/stage/layers.h"
 
 enum {
-  FAR = 64,        /* lu: nothing stands lower */
   SHORT = 24,      /* segments of the list that are put in order one by one */
   FAST = 4,        /* room of a triangle, in ways of this tick, at least */
-  PATH_MOST = 1 << 28,
-  STALE = INT32_MAX /* layer_soon of what is to be listed again */
+  USUAL = 6,       /* room: that part of how wide triangles are */
+  PATH_MOST = 1 << 28
 };
 
 /* ---- ways ---- */
 
-static vec3 mean_of(const int64_t sum[3], uint32_t count) {
-  const int64_t of = count;
-  return vec_make((int32_t)(sum[0] / of), (int32_t)(sum[1] / of), (int32_t)(sum[2] / of));
-}
+static uint32_t triangles_of(const fray_world *w) { return (uint32_t)w->sheet.state->triangles; }
 
 static int32_t gone_by(vec3 from, vec3 to, vec3 mean) {
   const int64_t way[3] = {(int64_t)to.x - from.x - mean.x, (int64_t)to.y - from.y - mean.y, (int64_t)to.z - from.z - mean.z};
@@ -38,41 +33,58 @@ static int32_t gone_by(vec3 from, vec3 to, vec3 mean) {
   return zones_length(vec_make((int32_t)way[0], (int32_t)way[1], (int32_t)way[2]));
 }
 
-/* How far each vertex goes from where the tick began; `past`: how far it went there from where the last one did. */
-static void measure(fray_world *w, int past) {
+/* How far each vertex goes in this tick; `past`: how far it has gone since the last one began. */
+static vec3 goes_to(const fray_world *w, uint32_t p, int past) {
+  return past != 0 ? world_position(w, p) : w->ways[p].end;
+}
+
+static vec3 mean_of(const fray_world *w, const layer_tile *tile, int past) {
   int64_t sum[3] = {0, 0, 0};
-  for (uint32_t p = 0; p < w->particles; ++p) {
-    const vec3 from = w->ways[p].begin;
-    const vec3 to = past ? world_position(w, p) : w->ways[p].end;
-    sum[0] += (int64_t)to.x - from.x;
-    sum[1] += (int64_t)to.y - from.y;
-    sum[2] += (int64_t)to.z - from.z;
-  }
-  const vec3 mean = mean_of(sum, w->particles);
-  for (uint32_t p = 0; p < w->particles; ++p)
-    w->layers_gone[p] = gone_by(w->ways[p].begin, past ? world_position(w, p) : w->ways[p].end, mean);
+  const int64_t count = 3 * ((int64_t)tile->end - tile->first);
+  for (uint32_t n = tile->first; n < tile->end; ++n)
+    for (uint32_t k = 0; k < 3; ++k) {
+      const uint32_t p = w->layer_boxes[w->layer_order[n]].v[k];
+      const vec3 from = w->ways[p].begin;
+      const vec3 to = goes_to(w, p, past);
+      sum[0] += (int64_t)to.x - from.x;
+      sum[1] += (int64_t)to.y - from.y;
+      sum[2] += (int64_t)to.z - from.z;
+    }
+  if (count == 0) return vec_make(0, 0, 0);
+  return vec_make((int32_t)(sum[0] / count), (int32_t)(sum[1] / count), (int32_t)(sum[2] / count));
 }
 
-static int32_t gone_of(const fray_world *w, uint32_t t) {
-  const row_id *v = w->sheet.triangle[t].v;
-  return fx_max(fx_max(w->layers_gone[v[0]], w->layers_gone[v[1]]), w->layers_gone[v[2]]);
+static int32_t gone_of(const fray_world *w, uint32_t t, int past) {
+  const layer_box *b = &w->layer_boxes[t];
+  const vec3 mean = w->tiles->tile[b->tile].mean;
+  int32_t most = 0;
+  for (uint32_t k = 0; k < 3; ++k)
+    most = fx_max(most, gone_by(w->ways[b->v[k]].begin, goes_to(w, b->v[k], past), mean));
+  return most;
 }
 
-static int is_same_sheet(const fray_world *w) {
-  return w->listed.particles == w->particles && w->listed.topology[0] == w->state->topology[0] &&
-         w->listed.topology[1] == w->state->topology[1];
+static int32_t gone_beside_tile(const layer_tiles *of, uint32_t a, uint32_t b) {
+  return gone_by(of->tile[a].mean, of->tile[b].mean, vec_make(0, 0, 0));
 }
 
+static uint32_t tiles_of(const fray_world *w) { return w->listed.across * w->listed.across; }
+
+/* Beside the means of the tick before, which are as good as any. */
 void layers_went(fray_world *w) {
   layer_list *l = &w->listed;
-  if (l->kept != 0 && !is_same_sheet(w)) l->kept = 0;
+  layer_tiles *of = w->tiles;
   if (l->kept == 0) return;
-  measure(w, 1);
-  for (uint32_t t = 0; t < (uint32_t)w->sheet.state->triangles; ++t) {
-    layer_way *way = &w->layer_ways[t];
-    way->path += gone_of(w, t);
-    if (way->path > PATH_MOST) l->kept = 0;
+  for (uint32_t t = 0; t < l->triangles; ++t) {
+    const int64_t path = (int64_t)w->layer_ways[t].path + gone_of(w, t, 1);
+    w->layer_ways[t].path = (int32_t)path;
+    if (path > PATH_MOST) l->kept = 0;
   }
+  for (uint32_t a = 0; a < tiles_of(w); ++a)
+    for (uint32_t b = 0; b < a; ++b) {
+      const int64_t path = (int64_t)of->path[a][b] + gone_beside_tile(of, a, b);
+      of->path[a][b] = (int32_t)path;
+      if (path > PATH_MOST) l->kept = 0;
+    }
 }
 
 /* Two that are farther apart do not meet, if they do not go anywhere. */
@@ -98,67 +110,163 @@ static int may_meet(const fray_world *w, const layer_pair *pair, sweep_gap gap) 
   return (gap.begin <= least || gap.end <= least) && gap.begin <= least + gone_beside(w, pair);
 }
 
-/* ---- boxes and cells ---- */
+/* Both tiles in order: the greater number first. */
+static int32_t *between(int32_t of[LAYERS_TILES][LAYERS_TILES], uint32_t a, uint32_t b) {
+  return a > b ? &of[a][b] : &of[b][a];
+}
 
-static uint32_t bits_of_own(const fray_world *w, uint32_t t) {
+/* ---- boxes ---- */
+
+static uint8_t bits_of_own(const fray_world *w, uint32_t t) {
   const sheet_triangle *f = &w->sheet.triangle[t];
   uint32_t own = 0;
   for (uint32_t k = 0; k < 3; ++k) {
     if (w->sheet.fan[f->v[k]] == t) own |= 1u << k;
     if (f->across[k] >= t) own |= 8u << k;
   }
-  return own;
+  return (uint8_t)own;
 }
 
-/* Returns the longest side of it. */
-static int32_t box_of(fray_world *w, uint32_t t, int64_t more) {
-  const row_id *v = w->sheet.triangle[t].v;
+static void box_of(fray_world *w, uint32_t t) {
   layer_box *b = &w->layer_boxes[t];
-  int32_t widest = 0;
-  const vec3 p = w->ways[v[0]].begin;
-  const vec3 q = w->ways[v[1]].begin;
-  const vec3 r = w->ways[v[2]].begin;
+  const vec3 p = w->ways[b->v[0]].begin;
+  const vec3 q = w->ways[b->v[1]].begin;
+  const vec3 r = w->ways[b->v[2]].begin;
   const int32_t at[3][3] = {{p.x, q.x, r.x}, {p.y, q.y, r.y}, {p.z, q.z, r.z}};
   for (uint32_t k = 0; k < 3; ++k) {
-    b->low[k] = fx_saturate(fx_min(fx_min(at[k][0], at[k][1]), at[k][2]) - more);
-    b->high[k] = fx_saturate(fx_max(fx_max(at[k][0], at[k][1]), at[k][2]) + more);
-    widest = fx_max(widest, fx_saturate((int64_t)b->high[k] - b->low[k]));
+    b->low[k] = fx_min(fx_min(at[k][0], at[k][1]), at[k][2]);
+    b->high[k] = fx_max(fx_max(at[k][0], at[k][1]), at[k][2]);
   }
-  return widest;
 }
 
-static uint32_t cell_at(const layer_list *l, const uint32_t at[3]) {
-  const uint32_t mixed = fx_wrap_mul_u(at[0], 73856093u) ^ fx_wrap_mul_u(at[1], 19349663u) ^
-                         fx_wrap_mul_u(at[2], 83492791u);
-  return (mixed ^ mixed >> 15) & (l->cells - 1u);
-}
-
-static void clear_cells(fray_world *w) {
-  layer_list *l = &w->listed;
-  l->cells = 1;
-  while (l->cells < (uint32_t)w->sheet.state->triangles) l->cells += l->cells;
-  for (uint32_t n = 0; n < l->cells; ++n) w->layer_cells[n] = LAYERS_NOBODY;
-  l->wide = 0;
-}
-
-static void put_box(fray_world *w, uint32_t t) {
-  layer_list *l = &w->listed;
-  layer_box *b = &w->layer_boxes[t];
-  if (box_of(w, t, least_apart(w) / 2 + 1 + w->layer_ways[t].room) > l->cell) {
-    w->layer_wide[l->wide++] = (row_id)t;
-    b->cell[0] = 0;
-    return;
-  }
+static int are_beside(const int32_t *low, const int32_t *high, const int32_t *other_low, const int32_t *other_high,
+                      int64_t reach) {
   for (uint32_t k = 0; k < 3; ++k)
-    b->cell[k] = 1u + (uint32_t)(((int64_t)b->low[k] + ((int64_t)FAR << FX_POSITION_BITS)) / l->cell);
-  const uint32_t cell = cell_at(l, b->cell);
-  w->layer_next[t] = w->layer_cells[cell];
-  w->layer_cells[cell] = (row_id)t;
+    if ((int64_t)other_low[k] - high[k] > reach || (int64_t)low[k] - other_high[k] > reach) return 1;
+  return 0;
 }
 
-static int overlap(const layer_box *a, const layer_box *b) {
-  return a->low[0] <= b->high[0] && b->low[0] <= a->high[0] && a->low[1] <= b->high[1] &&
-         b->low[1] <= a->high[1] && a->low[2] <= b->high[2] && b->low[2] <= a->high[2];
+/* ---- tiles ---- */
+
+static uint32_t tile_along(const layer_list *l, int32_t at, uint32_t axis) {
+  const int64_t n = ((int64_t)at - l->low[axis]) / l->size[axis];
+  return (uint32_t)fx_clamp64(n, 0, (int64_t)l->across - 1);
+}
+
+/* By the middle of a triangle at rest. */
+static uint8_t tile_of(const fray_world *w, uint32_t t) {
+  const sheet_mesh *s = &w->sheet;
+  const row_id *v = s->triangle[t].v;
+  const int32_t u = s->u[v[0]] / 3 + s->u[v[1]] / 3 + s->u[v[2]] / 3;
+  const int32_t at = s->v[v[0]] / 3 + s->v[v[1]] / 3 + s->v[v[2]] / 3;
+  return (uint8_t)(tile_along(&w->listed, at, 1) * w->listed.across + tile_along(&w->listed, u, 0));
+}
+
+static void find_rest(fray_world *w) {
+  layer_list *l = &w->listed;
+  const int32_t *const at[2] = {w->sheet.u, w->sheet.v};
+  l->across = 1;
+  while (l->across < LAYERS_ACROSS && l->across * l->across * LAYERS_TILE < triangles_of(w)) ++l->across;
+  for (uint32_t k = 0; k < 2; ++k) {
+    int32_t high = l->low[k] = at[k][0];
+    for (uint32_t p = 1; p < w->particles; ++p) {
+      l->low[k] = fx_min(l->low[k], at[k][p]);
+      high = fx_max(high, at[k][p]);
+    }
+    l->size[k] = fx_sub(high, l->low[k]) / (int32_t)l->across + 1;
+  }
+}
+
+/* Triangles by tiles, in order of their numbers. */
+static void fill_tiles(fray_world *w) {
+  layer_tile *tile = w->tiles->tile;
+  uint32_t sum = 0;
+  for (uint32_t a = 0; a < tiles_of(w); ++a) tile[a].end = 0;
+  for (uint32_t t = 0; t < triangles_of(w); ++t) ++tile[w->layer_boxes[t].tile].end;
+  for (uint32_t a = 0; a < tiles_of(w); ++a) {
+    const uint32_t count = tile[a].end;
+    tile[a].first = tile[a].end = sum;
+    sum += count;
+  }
+  for (uint32_t t = 0; t < triangles_of(w); ++t) w->layer_order[tile[w->layer_boxes[t].tile].end++] = (row_id)t;
+}
+
+static void box_tile(fray_world *w, layer_tile *tile) {
+  tile->room = tile->gone = 0;
+  for (uint32_t k = 0; k < 3; ++k) {
+    tile->low[k] = INT32_MAX;
+    tile->high[k] = -INT32_MAX;
+  }
+  for (uint32_t n = tile->first; n < tile->end; ++n) {
+    const uint32_t t = w->layer_order[n];
+    const layer_box *b = &w->layer_boxes[t];
+    for (uint32_t k = 0; k < 3; ++k) {
+      tile->low[k] = fx_min(tile->low[k], b->low[k]);
+      tile->high[k] = fx_max(tile->high[k], b->high[k]);
+    }
+    tile->room = fx_max(tile->room, w->layer_ways[t].room);
+  }
+}
+
+/* ---- what has changed ---- */
+
+/* A triangle that is listed for the first time, or is another one now. */
+static void renew(fray_world *w, uint32_t t) {
+  layer_box *b = &w->layer_boxes[t];
+  for (uint32_t k = 0; k < 3; ++k) b->v[k] = w->sheet.triangle[t].v[k];
+  b->own = bits_of_own(w, t);
+  b->tile = tile_of(w, t);
+  w->layer_ways[t].path = 0;
+  w->layer_ways[t].limit = -1;
+  w->layer_ways[t].room = 0;
+}
+
+static int is_changed(const fray_world *w, uint32_t t) {
+  const row_id *v = w->sheet.triangle[t].v;
+  const layer_box *b = &w->layer_boxes[t];
+  return t >= w->listed.triangles || v[0] != b->v[0] || v[1] != b->v[1] || v[2] != b->v[2] || bits_of_own(w, t) != b->own;
+}
+
+static void remember(fray_world *w) {
+  layer_list *l = &w->listed;
+  fill_tiles(w);
+  l->particles = w->particles;
+  l->triangles = triangles_of(w);
+  l->topology[0] = w->state->topology[0];
+  l->topology[1] = w->state->topology[1];
+}
+
+/* Nothing is listed: all triangles are stale, all tiles far from each other. */
+static void begin_list(fray_world *w) {
+  layer_list *l = &w->listed;
+  layer_tiles *of = w->tiles;
+  int64_t wide = 0;
+  find_rest(w);
+  for (uint32_t t = 0; t < triangles_of(w); ++t) {
+    renew(w, t);
+    box_of(w, t);
+    const layer_box *b = &w->layer_boxes[t];
+    wide += fx_max(fx_max(fx_sub(b->high[0], b->low[0]), fx_sub(b->high[1], b->low[1])), fx_sub(b->high[2], b->low[2]));
+  }
+  for (uint32_t a = 0; a < tiles_of(w); ++a)
+    for (uint32_t b = 0; b < a; ++b) {
+      of->path[a][b] = 0;
+      of->limit[a][b] = -1;
+    }
+  l->usual = (int32_t)(wide / triangles_of(w) / USUAL) + 1;
+  l->pairs = 0;
+  l->kept = 1;
+  remember(w);
+}
+
+static void follow_sheet(fray_world *w) {
+  const layer_list *l = &w->listed;
+  if (l->topology[0] == w->state->topology[0] && l->topology[1] == w->state->topology[1] && l->particles == w->particles &&
+      l->triangles == triangles_of(w))
+    return;
+  for (uint32_t t = 0; t < triangles_of(w); ++t)
+    if (is_changed(w, t)) renew(w, t);
+  remember(w);
 }
 
 /* ---- pairs ---- */
@@ -188,13 +296,24 @@ static uint8_t has_kin(const sheet_mesh *s, const layer_pair *pair) {
   return 0;
 }
 
+/* How far both have gone, beside their tiles and these beside each other; and with this tick. */
+static int64_t path_of(const fray_world *w, const layer_pair *pair) {
+  const uint32_t a = w->layer_boxes[pair->of[0]].tile;
+  const uint32_t b = w->layer_boxes[pair->of[1]].tile;
+  return (int64_t)w->layer_ways[pair->of[0]].path + w->layer_ways[pair->of[1]].path +
+         (a == b ? 0 : *between(w->tiles->path, a, b));
+}
+static int64_t soon_of(const fray_world *w, const layer_pair *pair) {
+  const uint32_t a = w->layer_boxes[pair->of[0]].tile;
+  const uint32_t b = w->layer_boxes[pair->of[1]].tile;
+  return (int64_t)w->layer_soon[pair->of[0]] + w->layer_soon[pair->of[1]] + (a == b ? 0 : *between(w->tiles->soon, a, b));
+}
+
 /* Of a pair that stands in the list. */
 static void look_at(fray_world *w, uint32_t n, sweep_gap gap) {
   layer_pair *pair = &w->layers[n];
   const int64_t left = (int64_t)gap.begin - least_apart(w);
-  const int64_t path = (int64_t)w->layer_ways[pair->of[0]].path + w->layer_ways[pair->of[1]].path;
-  pair->until = fx_saturate(path + left);
-  if (left > 0 && (int64_t)w->layer_soon[pair->of[0]] + w->layer_soon[pair->of[1]] < pair->until) return;
+  pair->until = fx_saturate(path_of(w, pair) + left);
   if (!may_meet(w, pair, gap) || are_one(w, pair)) return;
   pair->looked = pair->near = 0;
   w->layers_met[w->listed.met++] = n;
@@ -245,7 +364,7 @@ static int corner_is_off(const duo *d, uint32_t of, uint32_t k) {
          is_off(p.z, t[0].z, t[1].z, t[2].z, d->reach);
 }
 
-static int32_t between(int32_t a, int32_t b, int32_t c, int32_t d, int32_t e, int32_t f) {
+static int32_t way_between(int32_t a, int32_t b, int32_t c, int32_t d, int32_t e, int32_t f) {
   return fx_asr(d, 5) + fx_asr(e, 5) + fx_asr(f, 5) - fx_asr(a, 5) - fx_asr(b, 5) - fx_asr(c, 5);
 }
 /* The second's corners are beyond the first's along the way between their middles, farther than anything that is
@@ -253,9 +372,9 @@ static int32_t between(int32_t a, int32_t b, int32_t c, int32_t d, int32_t e, in
 static int are_parted(const duo *d) {
   const vec3 *a = d->at[0];
   const vec3 *b = d->at[1];
-  const vec3 way = vec_make(between(a[0].x, a[1].x, a[2].x, b[0].x, b[1].x, b[2].x),
-                            between(a[0].y, a[1].y, a[2].y, b[0].y, b[1].y, b[2].y),
-                            between(a[0].z, a[1].z, a[2].z, b[0].z, b[1].z, b[2].z));
+  const vec3 way = vec_make(way_between(a[0].x, a[1].x, a[2].x, b[0].x, b[1].x, b[2].x),
+                            way_between(a[0].y, a[1].y, a[2].y, b[0].y, b[1].y, b[2].y),
+                            way_between(a[0].z, a[1].z, a[2].z, b[0].z, b[1].z, b[2].z));
   int64_t most = 0;
   for (uint32_t n = 1; n < 3; ++n) {
     const int64_t at = zones_along(a[0], a[n], way);
@@ -291,13 +410,13 @@ static uint32_t begin_duo(const fray_world *w, uint32_t t, uint32_t other, duo *
     d->common[k] = (uint32_t)(p == d->v[1][0]) | (uint32_t)(p == d->v[1][1]) << 1 | (uint32_t)(p == d->v[1][2]) << 2;
     common |= d->common[k];
   }
-  d->reach = fx_saturate(least_apart(w) + w->layer_ways[t].room + w->layer_ways[other].room);
   return common;
 }
 
 /* Whose vertices and sides they are to look at. What has a vertex in common does not meet. */
-static void meet(fray_world *w, uint32_t t, uint32_t other) {
+static void meet(fray_world *w, uint32_t t, uint32_t other, int32_t reach) {
   duo d;
+  d.reach = reach;
   const uint32_t common = begin_duo(w, t, other, &d);
   const uint32_t own[2] = {w->layer_boxes[d.of[0]].own, w->layer_boxes[d.of[1]].own};
   if (common == 0 && are_parted(&d)) return;
@@ -315,92 +434,94 @@ static void meet(fray_world *w, uint32_t t, uint32_t other) {
 
 /* ---- looking for them ---- */
 
-/* Two that are both to be listed meet when the one with the greater number is. */
-static int is_later(const fray_world *w, uint32_t t, uint32_t other) {
-  return other == t || (other > t && w->layer_soon[other] == STALE);
-}
-
-static void try_other(fray_world *w, uint32_t t, uint32_t other) {
-  ++w->work.self_visits;
-  if (!is_later(w, t, other) && overlap(&w->layer_boxes[t], &w->layer_boxes[other])) meet(w, t, other);
-}
-
-static void look_into(fray_world *w, uint32_t t, const uint32_t at[3]) {
-  row_id other = w->layer_cells[cell_at(&w->listed, at)];
-  for (; other != LAYERS_NOBODY; other = w->layer_next[other]) {
-    const layer_box *o = &w->layer_boxes[other];
-    if (o->cell[0] == at[0] && o->cell[1] == at[1] && o->cell[2] == at[2]) try_other(w, t, other);
-  }
-}
-
-/* All pairs of a triangle with others. */
-static void list_triangle(fray_world *w, uint32_t t) {
-  const layer_box *b = &w->layer_boxes[t];
-  uint32_t at[3];
-  if (b->cell[0] == 0) {
-    for (uint32_t other = 0; other < (uint32_t)w->sheet.state->triangles; ++other) try_other(w, t, other);
-    return;
-  }
-  for (at[0] = b->cell[0] - 1u; at[0] <= b->cell[0] + 1u; ++at[0])
-    for (at[1] = b->cell[1] - 1u; at[1] <= b->cell[1] + 1u; ++at[1])
-      for (at[2] = b->cell[2] - 1u; at[2] <= b->cell[2] + 1u; ++at[2]) look_into(w, t, at);
-  for (uint32_t n = 0; n < w->listed.wide; ++n) try_other(w, t, w->layer_wide[n]);
-}
-
-static void put_all(fray_world *w) {
-  clear_cells(w);
-  for (uint32_t t = 0; t < (uint32_t)w->sheet.state->triangles; ++t) put_box(w, t);
-}
-
 static void give_room(fray_world *w, uint32_t t, int32_t usual) {
   layer_way *way = &w->layer_ways[t];
-  const int32_t soon = fx_saturate((int64_t)FAST * gone_of(w, t));
-  way->room = usual == 0 ? gone_of(w, t) : fx_max(soon, usual);
+  const int32_t gone = gone_of(w, t, 0);
+  way->room = usual == 0 ? gone : fx_max(fx_saturate((int64_t)FAST * gone), usual);
   way->limit = fx_saturate((int64_t)way->path + way->room);
 }
 
-/* All triangles, from nothing. */
-static void begin_list(fray_world *w) {
-  layer_list *l = &w->listed;
-  const uint32_t triangles = (uint32_t)w->sheet.state->triangles;
-  int64_t wide = 0;
-  for (uint32_t t = 0; t < triangles; ++t) {
-    wide += box_of(w, t, 0);
-    w->layer_boxes[t].own = bits_of_own(w, t);
-    w->layer_ways[t].path = 0;
-    w->layer_soon[t] = STALE;
-    w->layer_stale[t] = (row_id)t;
-  }
-  l->stale = triangles;
-  l->pairs = l->met = 0;
-  l->usual = (int32_t)(wide / triangles / 4) + 1;
-  l->cell = fx_saturate(2 * wide / triangles + 4 * (int64_t)l->usual + least_apart(w));
-  l->particles = w->particles;
-  l->topology[0] = w->state->topology[0];
-  l->topology[1] = w->state->topology[1];
-  l->kept = 1;
-}
-
-/* Those whose room is used up. */
+/* Those whose room is used up get more; where all have gone. */
 static void find_stale(fray_world *w) {
   layer_list *l = &w->listed;
-  l->stale = l->met = 0;
-  for (uint32_t t = 0; t < (uint32_t)w->sheet.state->triangles; ++t) {
-    const layer_way *way = &w->layer_ways[t];
-    const int64_t soon = (int64_t)way->path + gone_of(w, t);
-    w->layer_soon[t] = soon > way->limit ? STALE : (int32_t)soon;
-    if (soon > way->limit) w->layer_stale[l->stale++] = (row_id)t;
+  layer_tiles *of = w->tiles;
+  const int32_t usual = l->tight != 0 ? 0 : l->usual;
+  l->stale = 0;
+  for (uint32_t a = 0; a < tiles_of(w); ++a) of->tile[a].mean = mean_of(w, &of->tile[a], 0);
+  for (uint32_t t = 0; t < triangles_of(w); ++t) {
+    const int64_t soon = (int64_t)w->layer_ways[t].path + gone_of(w, t, 0);
+    const int stale = l->tight != 0 || soon > w->layer_ways[t].limit;
+    w->layer_soon[t] = stale ? LAYERS_STALE : (int32_t)soon;
+    box_of(w, t);
+    if (!stale) continue;
+    give_room(w, t, usual);
+    w->layer_stale[l->stale++] = (row_id)t;
+  }
+  for (uint32_t a = 0; a < tiles_of(w); ++a) box_tile(w, &of->tile[a]);
+}
+
+/* Tiles that are near each other and are not listed, or have gone too far beside each other. */
+static void find_stale_tiles(fray_world *w) {
+  const layer_list *l = &w->listed;
+  layer_tiles *of = w->tiles;
+  for (uint32_t a = 0; a < tiles_of(w); ++a)
+    for (uint32_t b = 0; b < a; ++b) {
+      const layer_tile *one = &of->tile[a];
+      const layer_tile *two = &of->tile[b];
+      const int32_t gone = gone_beside_tile(of, a, b);
+      const int64_t soon = (int64_t)of->path[a][b] + gone;
+      const int32_t room = l->tight != 0 ? gone : fx_max(fx_saturate((int64_t)FAST * gone), l->usual);
+      const int far = are_beside(one->low, one->high, two->low, two->high,
+                                 least_apart(w) + one->room + two->room + room);
+      if (far) of->limit[a][b] = -1;
+      of->soon[a][b] = far || soon > of->limit[a][b] ? LAYERS_STALE : (int32_t)soon;
+      if (far || soon <= of->limit[a][b]) continue;
+      of->limit[a][b] = fx_saturate((int64_t)of->path[a][b] + room);
+    }
+}
+
+/* Of two triangles of these tiles: what they may go together until they are listed again. */
+static int32_t room_between(const fray_world *w, uint32_t a, uint32_t b) {
+  return a == b ? 0 : *between(w->tiles->limit, a, b) - *between(w->tiles->path, a, b);
+}
+
+static void try_two(fray_world *w, uint32_t t, uint32_t other, int32_t room) {
+  const layer_box *a = &w->layer_boxes[t];
+  const layer_box *b = &w->layer_boxes[other];
+  const int64_t reach = least_apart(w) + room + w->layer_ways[t].room + w->layer_ways[other].room;
+  ++w->work.self_visits;
+  if (!are_beside(a->low, a->high, b->low, b->high, reach)) meet(w, t, other, fx_saturate(reach));
+}
+
+/* A triangle with those of a tile; of two that are both stale the one with the greater number does it. */
+static void list_with(fray_world *w, uint32_t t, uint32_t tile, int all) {
+  const layer_tile *of = &w->tiles->tile[tile];
+  const layer_box *b = &w->layer_boxes[t];
+  const int32_t room = room_between(w, b->tile, tile);
+  if (are_beside(b->low, b->high, of->low, of->high, least_apart(w) + room + w->layer_ways[t].room + of->room)) return;
+  for (uint32_t n = of->first; n < of->end && w->listed.lacks == 0; ++n) {
+    const uint32_t other = w->layer_order[n];
+    if (all || other < t || (other > t && w->layer_soon[other] != LAYERS_STALE)) try_two(w, t, other, room);
   }
 }
 
-/* What was listed: without what stale triangles have, and what may meet. */
+static void list_tiles(fray_world *w, uint32_t a, uint32_t b) {
+  const layer_tile *of = &w->tiles->tile[a];
+  for (uint32_t n = of->first; n < of->end && w->listed.lacks == 0; ++n) list_with(w, w->layer_order[n], b, 1);
+}
+
+static int are_listed(const fray_world *w, uint32_t a, uint32_t b) {
+  return a == b || *between(w->tiles->soon, a, b) != LAYERS_STALE;
+}
+
+/* What was listed: without what is stale, and what may meet. */
 static void look_at_list(fray_world *w) {
   layer_list *l = &w->listed;
   uint32_t kept = 0;
   for (uint32_t n = 0; n < l->pairs; ++n) {
     const layer_pair *pair = &w->layers[n];
-    const int64_t soon = (int64_t)w->layer_soon[pair->of[0]] + w->layer_soon[pair->of[1]];
-    if (soon >= STALE) continue; /* two that are not add up to less */
+    const int64_t soon = soon_of(w, pair);
+    if (soon >= LAYERS_STALE) continue; /* of what is not stale it is less */
     if (kept != n) w->layers[kept] = *pair;
     ++kept;
     if (soon >= w->layers[kept - 1u].until) look_at(w, kept - 1u, layers_gap(w, &w->layers[kept - 1u]));
@@ -408,14 +529,17 @@ static void look_at_list(fray_world *w) {
   l->pairs = kept;
 }
 
-/* Then the stale ones again. Returns 0 where there is no room. */
+/* Returns 0 where there is no room. */
 static int list_stale(fray_world *w) {
   layer_list *l = &w->listed;
-  l->tight = l->full = l->lacks = 0;
-  if (l->stale == 0) return 1;
-  for (uint32_t n = 0; n < l->stale; ++n) give_room(w, w->layer_stale[n], l->usual);
-  put_all(w);
-  for (uint32_t n = 0; n < l->stale && l->lacks == 0; ++n) list_triangle(w, w->layer_stale[n]);
+  layer_tiles *of = w->tiles;
+  l->full = l->lacks = 0;
+  for (uint32_t n = 0; n < l->stale; ++n)
+    for (uint32_t b = 0; b < tiles_of(w) && l->lacks == 0; ++b)
+      if (are_listed(w, w->layer_boxes[w->layer_stale[n]].tile, b)) list_with(w, w->layer_stale[n], b, 0);
+  for (uint32_t a = 0; a < tiles_of(w); ++a)
+    for (uint32_t b = 0; b < a && l->lacks == 0; ++b)
+      if (of->limit[a][b] >= 0 && of->soon[a][b] == LAYERS_STALE) list_tiles(w, a, b);
   return l->lacks == 0;
 }
 
@@ -424,23 +548,25 @@ static int list_stale(fray_world *w) {
 static void list_tight(fray_world *w) {
   layer_list *l = &w->listed;
   begin_list(w);
-  l->kept = 0;
+  l->kept = l->full = l->lacks = l->met = 0;
   l->tight = 1;
-  l->full = l->lacks = 0;
-  for (uint32_t t = 0; t < l->stale; ++t) give_room(w, t, 0);
-  put_all(w);
-  for (uint32_t t = 0; t < l->stale; ++t) {
+  find_stale(w);
+  find_stale_tiles(w);
+  for (uint32_t t = 0; t < triangles_of(w); ++t) {
     const uint32_t first = l->pairs;
     const uint32_t met = l->met;
-    list_triangle(w, t);
-    if (l->lacks == 0) continue;
-    l->lacks = 0;
-    l->full = 1;
-    l->pairs = first;
-    l->met = met;
-    w->state->faults |= (int32_t)FRAY_FAULT_SELVES;
-    list_triangle(w, t);
+    for (uint32_t again = 0; again < 2; ++again) {
+      for (uint32_t b = 0; b < tiles_of(w) && l->lacks == 0; ++b)
+        if (b == w->layer_boxes[t].tile || *between(w->tiles->limit, w->layer_boxes[t].tile, b) >= 0) list_with(w, t, b, 0);
+      if (l->lacks == 0) break;
+      l->lacks = 0;
+      l->full = 1;
+      l->pairs = first;
+      l->met = met;
+      w->state->faults |= (int32_t)FRAY_FAULT_SELVES;
+    }
   }
+  l->tight = 0;
 }
 
 /* ---- in order ---- */
@@ -485,7 +611,7 @@ static void put_in_order(const fray_world *w, uint32_t *list, uint32_t count) {
 }
 
 static void order_met(fray_world *w) {
-  const uint32_t triangles = (uint32_t)w->sheet.state->triangles;
+  const uint32_t triangles = triangles_of(w);
   const uint32_t met = w->listed.met;
   uint32_t *counts = w->layer_counts;
   uint32_t *from = w->layers_met + w->capacity[POOL_LAYERS];
@@ -510,13 +636,14 @@ static void order_met(fray_world *w) {
 
 void layers_find(fray_world *w) {
   layer_list *l = &w->listed;
-  measure(w, 0);
-  if (l->kept == 0) {
+  l->tight = l->met = 0;
+  if (l->kept == 0)
     begin_list(w);
-  } else {
-    find_stale(w);
-    look_at_list(w);
-  }
+  else
+    follow_sheet(w);
+  find_stale(w);
+  find_stale_tiles(w);
+  look_at_list(w);
   if (!list_stale(w)) list_tight(w);
   order_met(w);
   w->work.self_pairs += l->met;
