@@ -18,7 +18,7 @@ enum {
 /* A vertex p[0] and a triangle, or two sides, that are near each other, and the triangles that have to look at
  * them: `of` with the greater number first. */
 typedef struct {
-  int32_t until;  /* how far both may go, layer_way.path and that of their tiles, before they can meet */
+  int32_t until;  /* how far both, and their tiles, may be from where they were listed before they can meet */
   row_id of[2];
   row_id p[4];
   uint8_t kind;   /* to LAYERS_CORNERS - 1: a vertex of the first, then of the second; then sides, 3 m + n */
@@ -36,28 +36,32 @@ typedef struct {
   uint8_t tile;
 } layer_box;
 
-/* How far a triangle has gone, by the farthest of its corners, beside the mean of its tile; Q24 lu. */
+/* How far a triangle is from where it was listed, by the farthest of its corners, beside what its tile has gone in
+ * the mean; Q24 lu. */
 typedef struct {
-  int32_t path;  /* since all were listed */
-  int32_t limit; /* of path: all that it may meet until then is listed */
-  int32_t room;  /* of it, when it was listed */
+  vec3 from[3];
+  int32_t gone; /* when the tick begins */
+  int32_t room; /* all that it may meet until it has gone that far is listed; below 0: none is */
 } layer_way;
 
 /* Triangles that are near each other at rest, and what their corners go by in the mean. */
 typedef struct {
   int32_t low[3], high[3];
-  vec3 mean;
-  int32_t room, gone; /* the most of its triangles */
+  vec3 mean, gone;     /* in this tick; in all that went before */
+  int32_t room;        /* the most of its triangles */
   uint32_t first, end; /* of them, in layer_order */
 } layer_tile;
 
-/* Of two tiles: how far one has gone beside the other, as of triangles. limit below 0: they are far apart, and
- * nothing of them is listed. */
+/* Two tiles, the one with the greater number first: how far one is beside the other from where it was when they
+ * were listed, as of triangles. room below 0: nothing of them is listed. */
+typedef struct {
+  vec3 from;
+  int32_t gone, room;
+  int32_t soon; /* gone, and what they go in this tick; LAYERS_STALE */
+} layer_beside;
 typedef struct {
   layer_tile tile[LAYERS_TILES];
-  int32_t path[LAYERS_TILES][LAYERS_TILES];
-  int32_t limit[LAYERS_TILES][LAYERS_TILES];
-  int32_t soon[LAYERS_TILES][LAYERS_TILES]; /* path, and that of this tick; LAYERS_STALE */
+  layer_beside beside[LAYERS_TILES * (LAYERS_TILES - 1) / 2];
 } layer_tiles;
 #define LAYERS_STALE INT32_MAX
 

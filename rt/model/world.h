@@ -143,7 +143,7 @@ struct fray_world {
   layer_pair *layers;
   uint32_t *layers_met;      /* of them, those that may meet in this tick; behind them, place to order them */
   layer_way *layer_ways;     /* of a triangle */
-  int32_t *layer_soon;       /* triangle -> its path, and what it goes in this tick */
+  int32_t *layer_soon;       /* triangle -> how far it has gone, and goes in this tick; LAYERS_STALE */
   layer_box *layer_boxes;    /* of a triangle */
   row_id *layer_order;       /* triangles by tiles */
   row_id *layer_stale;       /* those that are to be listed */

@@ -33,58 +33,60 @@ static int32_t gone_by(vec3 from, vec3 to, vec3 mean) {
   return zones_length(vec_make((int32_t)way[0], (int32_t)way[1], (int32_t)way[2]));
 }
 
-/* How far each vertex goes in this tick; `past`: how far it has gone since the last one began. */
-static vec3 goes_to(const fray_world *w, uint32_t p, int past) {
-  return past != 0 ? world_position(w, p) : w->ways[p].end;
-}
-
-static vec3 mean_of(const fray_world *w, const layer_tile *tile, int past) {
+static vec3 mean_of(const fray_world *w, const layer_tile *tile) {
   int64_t sum[3] = {0, 0, 0};
   const int64_t count = 3 * ((int64_t)tile->end - tile->first);
   for (uint32_t n = tile->first; n < tile->end; ++n)
     for (uint32_t k = 0; k < 3; ++k) {
-      const uint32_t p = w->layer_boxes[w->layer_order[n]].v[k];
-      const vec3 from = w->ways[p].begin;
-      const vec3 to = goes_to(w, p, past);
-      sum[0] += (int64_t)to.x - from.x;
-      sum[1] += (int64_t)to.y - from.y;
-      sum[2] += (int64_t)to.z - from.z;
+      const self_way *way = &w->ways[w->layer_boxes[w->layer_order[n]].v[k]];
+      sum[0] += (int64_t)way->end.x - way->begin.x;
+      sum[1] += (int64_t)way->end.y - way->begin.y;
+      sum[2] += (int64_t)way->end.z - way->begin.z;
     }
   if (count == 0) return vec_make(0, 0, 0);
   return vec_make((int32_t)(sum[0] / count), (int32_t)(sum[1] / count), (int32_t)(sum[2] / count));
 }
 
-static int32_t gone_of(const fray_world *w, uint32_t t, int past) {
+/* As it would be if its tile had not gone anywhere. Wraps: only differences are used. */
+static vec3 wrap_sub(vec3 a, vec3 b) {
+  return vec_make(fx_wrap_sub(a.x, b.x), fx_wrap_sub(a.y, b.y), fx_wrap_sub(a.z, b.z));
+}
+static int32_t length_most(vec3 v) {
+  const uint32_t most = PATH_MOST / 4;
+  if (fx_magnitude(v.x) > most || fx_magnitude(v.y) > most || fx_magnitude(v.z) > most) return PATH_MOST;
+  return zones_length(v);
+}
+
+/* In this tick. */
+static int32_t goes_by(const fray_world *w, uint32_t t) {
   const layer_box *b = &w->layer_boxes[t];
   const vec3 mean = w->tiles->tile[b->tile].mean;
   int32_t most = 0;
-  for (uint32_t k = 0; k < 3; ++k)
-    most = fx_max(most, gone_by(w->ways[b->v[k]].begin, goes_to(w, b->v[k], past), mean));
+  for (uint32_t k = 0; k < 3; ++k) most = fx_max(most, gone_by(w->ways[b->v[k]].begin, w->ways[b->v[k]].end, mean));
   return most;
 }
 
-static int32_t gone_beside_tile(const layer_tiles *of, uint32_t a, uint32_t b) {
-  return gone_by(of->tile[a].mean, of->tile[b].mean, vec_make(0, 0, 0));
+static vec3 place_of(const fray_world *w, uint32_t t, uint32_t k) {
+  const layer_box *b = &w->layer_boxes[t];
+  return wrap_sub(w->ways[b->v[k]].begin, w->tiles->tile[b->tile].gone);
+}
+static int32_t gone_of(const fray_world *w, uint32_t t) {
+  int32_t most = 0;
+  for (uint32_t k = 0; k < 3; ++k) most = fx_max(most, length_most(wrap_sub(place_of(w, t, k), w->layer_ways[t].from[k])));
+  return most;
 }
 
 static uint32_t tiles_of(const fray_world *w) { return w->listed.across * w->listed.across; }
 
-/* Beside the means of the tick before, which are as good as any. */
+/* Of the tick before. */
 void layers_went(fray_world *w) {
-  layer_list *l = &w->listed;
-  layer_tiles *of = w->tiles;
-  if (l->kept == 0) return;
-  for (uint32_t t = 0; t < l->triangles; ++t) {
-    const int64_t path = (int64_t)w->layer_ways[t].path + gone_of(w, t, 1);
-    w->layer_ways[t].path = (int32_t)path;
-    if (path > PATH_MOST) l->kept = 0;
+  layer_tile *tile = w->tiles->tile;
+  if (w->listed.kept == 0) return;
+  for (uint32_t a = 0; a < tiles_of(w); ++a) {
+    tile[a].gone = vec_make(fx_wrap_add(tile[a].gone.x, tile[a].mean.x), fx_wrap_add(tile[a].gone.y, tile[a].mean.y),
+                            fx_wrap_add(tile[a].gone.z, tile[a].mean.z));
+    tile[a].mean = vec_make(0, 0, 0);
   }
-  for (uint32_t a = 0; a < tiles_of(w); ++a)
-    for (uint32_t b = 0; b < a; ++b) {
-      const int64_t path = (int64_t)of->path[a][b] + gone_beside_tile(of, a, b);
-      of->path[a][b] = (int32_t)path;
-      if (path > PATH_MOST) l->kept = 0;
-    }
 }
 
 /* Two that are farther apart do not meet, if they do not go anywhere. */
@@ -110,9 +112,8 @@ static int may_meet(const fray_world *w, const layer_pair *pair, sweep_gap gap) 
   return (gap.begin <= least || gap.end <= least) && gap.begin <= least + gone_beside(w, pair);
 }
 
-/* Both tiles in order: the greater number first. */
-static int32_t *between(int32_t of[LAYERS_TILES][LAYERS_TILES], uint32_t a, uint32_t b) {
-  return a > b ? &of[a][b] : &of[b][a];
+static layer_beside *between(const fray_world *w, uint32_t a, uint32_t b) {
+  return a > b ? &w->tiles->beside[a * (a - 1u) / 2u + b] : &w->tiles->beside[b * (b - 1u) / 2u + a];
 }
 
 /* ---- boxes ---- */
@@ -192,7 +193,7 @@ static void fill_tiles(fray_world *w) {
 }
 
 static void box_tile(fray_world *w, layer_tile *tile) {
-  tile->room = tile->gone = 0;
+  tile->room = 0;
   for (uint32_t k = 0; k < 3; ++k) {
     tile->low[k] = INT32_MAX;
     tile->high[k] = -INT32_MAX;
@@ -216,9 +217,7 @@ static void renew(fray_world *w, uint32_t t) {
   for (uint32_t k = 0; k < 3; ++k) b->v[k] = w->sheet.triangle[t].v[k];
   b->own = bits_of_own(w, t);
   b->tile = tile_of(w, t);
-  w->layer_ways[t].path = 0;
-  w->layer_ways[t].limit = -1;
-  w->layer_ways[t].room = 0;
+  w->layer_ways[t].room = -1;
 }
 
 static int is_changed(const fray_world *w, uint32_t t) {
@@ -248,11 +247,10 @@ static void begin_list(fray_world *w) {
     const layer_box *b = &w->layer_boxes[t];
     wide += fx_max(fx_max(fx_sub(b->high[0], b->low[0]), fx_sub(b->high[1], b->low[1])), fx_sub(b->high[2], b->low[2]));
   }
-  for (uint32_t a = 0; a < tiles_of(w); ++a)
-    for (uint32_t b = 0; b < a; ++b) {
-      of->path[a][b] = 0;
-      of->limit[a][b] = -1;
-    }
+  for (uint32_t a = 0; a < tiles_of(w); ++a) {
+    of->tile[a].gone = of->tile[a].mean = vec_make(0, 0, 0);
+    for (uint32_t b = 0; b < a; ++b) between(w, a, b)->room = -1;
+  }
   l->usual = (int32_t)(wide / triangles_of(w) / USUAL) + 1;
   l->pairs = 0;
   l->kept = 1;
@@ -296,24 +294,24 @@ static uint8_t has_kin(const sheet_mesh *s, const layer_pair *pair) {
   return 0;
 }
 
-/* How far both have gone, beside their tiles and these beside each other; and with this tick. */
-static int64_t path_of(const fray_world *w, const layer_pair *pair) {
+/* How far both are from where they were listed, with their tiles; and with this tick. */
+static int64_t gone_together(const fray_world *w, const layer_pair *pair) {
   const uint32_t a = w->layer_boxes[pair->of[0]].tile;
   const uint32_t b = w->layer_boxes[pair->of[1]].tile;
-  return (int64_t)w->layer_ways[pair->of[0]].path + w->layer_ways[pair->of[1]].path +
-         (a == b ? 0 : *between(w->tiles->path, a, b));
+  return (int64_t)w->layer_ways[pair->of[0]].gone + w->layer_ways[pair->of[1]].gone +
+         (a == b ? 0 : between(w, a, b)->gone);
 }
 static int64_t soon_of(const fray_world *w, const layer_pair *pair) {
   const uint32_t a = w->layer_boxes[pair->of[0]].tile;
   const uint32_t b = w->layer_boxes[pair->of[1]].tile;
-  return (int64_t)w->layer_soon[pair->of[0]] + w->layer_soon[pair->of[1]] + (a == b ? 0 : *between(w->tiles->soon, a, b));
+  return (int64_t)w->layer_soon[pair->of[0]] + w->layer_soon[pair->of[1]] + (a == b ? 0 : between(w, a, b)->soon);
 }
 
 /* Of a pair that stands in the list. */
 static void look_at(fray_world *w, uint32_t n, sweep_gap gap) {
   layer_pair *pair = &w->layers[n];
-  const int64_t left = (int64_t)gap.begin - least_apart(w);
-  pair->until = fx_saturate(path_of(w, pair) + left);
+  const int64_t left = (int64_t)gap.begin - least_apart(w) - gone_together(w, pair);
+  pair->until = fx_saturate(left);
   if (!may_meet(w, pair, gap) || are_one(w, pair)) return;
   pair->looked = pair->near = 0;
   w->layers_met[w->listed.met++] = n;
@@ -434,61 +432,65 @@ static void meet(fray_world *w, uint32_t t, uint32_t other, int32_t reach) {
 
 /* ---- looking for them ---- */
 
-static void give_room(fray_world *w, uint32_t t, int32_t usual) {
-  layer_way *way = &w->layer_ways[t];
-  const int32_t gone = gone_of(w, t, 0);
-  way->room = usual == 0 ? gone : fx_max(fx_saturate((int64_t)FAST * gone), usual);
-  way->limit = fx_saturate((int64_t)way->path + way->room);
-}
-
-/* Those whose room is used up get more; where all have gone. */
+/* Those that are no more where they were listed, or will not be, are to be listed. */
 static void find_stale(fray_world *w) {
   layer_list *l = &w->listed;
   layer_tiles *of = w->tiles;
-  const int32_t usual = l->tight != 0 ? 0 : l->usual;
   l->stale = 0;
-  for (uint32_t a = 0; a < tiles_of(w); ++a) of->tile[a].mean = mean_of(w, &of->tile[a], 0);
+  for (uint32_t a = 0; a < tiles_of(w); ++a) of->tile[a].mean = mean_of(w, &of->tile[a]);
   for (uint32_t t = 0; t < triangles_of(w); ++t) {
-    const int64_t soon = (int64_t)w->layer_ways[t].path + gone_of(w, t, 0);
-    const int stale = l->tight != 0 || soon > w->layer_ways[t].limit;
-    w->layer_soon[t] = stale ? LAYERS_STALE : (int32_t)soon;
+    layer_way *way = &w->layer_ways[t];
+    const int32_t goes = goes_by(w, t);
     box_of(w, t);
-    if (!stale) continue;
-    give_room(w, t, usual);
+    way->gone = way->room < 0 ? 0 : gone_of(w, t);
+    w->layer_soon[t] = way->gone + goes;
+    if (l->tight == 0 && w->layer_soon[t] <= way->room) continue;
+    for (uint32_t k = 0; k < 3; ++k) way->from[k] = place_of(w, t, k);
+    way->gone = 0;
+    way->room = l->tight != 0 ? goes : fx_max(fx_saturate((int64_t)FAST * goes), l->usual);
+    w->layer_soon[t] = LAYERS_STALE;
     w->layer_stale[l->stale++] = (row_id)t;
   }
   for (uint32_t a = 0; a < tiles_of(w); ++a) box_tile(w, &of->tile[a]);
 }
 
-/* Tiles that are near each other and are not listed, or have gone too far beside each other. */
+/* As far as they and their triangles may go. */
+static int are_far(const fray_world *w, const layer_tile *a, const layer_tile *b, int32_t room) {
+  return are_beside(a->low, a->high, b->low, b->high, least_apart(w) + 2 * ((int64_t)a->room + b->room + room));
+}
+
+/* Tiles that are near each other and are not listed, or are no more beside each other as they were. */
 static void find_stale_tiles(fray_world *w) {
   const layer_list *l = &w->listed;
   layer_tiles *of = w->tiles;
   for (uint32_t a = 0; a < tiles_of(w); ++a)
     for (uint32_t b = 0; b < a; ++b) {
-      const layer_tile *one = &of->tile[a];
-      const layer_tile *two = &of->tile[b];
-      const int32_t gone = gone_beside_tile(of, a, b);
-      const int64_t soon = (int64_t)of->path[a][b] + gone;
-      const int32_t room = l->tight != 0 ? gone : fx_max(fx_saturate((int64_t)FAST * gone), l->usual);
-      const int far = are_beside(one->low, one->high, two->low, two->high,
-                                 least_apart(w) + one->room + two->room + room);
-      if (far) of->limit[a][b] = -1;
-      of->soon[a][b] = far || soon > of->limit[a][b] ? LAYERS_STALE : (int32_t)soon;
-      if (far || soon <= of->limit[a][b]) continue;
-      of->limit[a][b] = fx_saturate((int64_t)of->path[a][b] + room);
+      layer_beside *pair = between(w, a, b);
+      const vec3 from = wrap_sub(of->tile[a].gone, of->tile[b].gone);
+      const int32_t goes = gone_by(of->tile[a].mean, of->tile[b].mean, vec_make(0, 0, 0));
+      const int32_t room = l->tight != 0 ? goes : fx_max(fx_saturate((int64_t)FAST * goes), l->usual);
+      pair->gone = pair->room < 0 ? 0 : length_most(wrap_sub(from, pair->from));
+      pair->soon = pair->gone + goes;
+      if (pair->soon <= pair->room) continue;
+      pair->soon = LAYERS_STALE;
+      pair->room = -1;
+      if (are_far(w, &of->tile[a], &of->tile[b], room)) continue;
+      pair->from = from;
+      pair->gone = 0;
+      pair->room = room;
     }
 }
 
-/* Of two triangles of these tiles: what they may go together until they are listed again. */
-static int32_t room_between(const fray_world *w, uint32_t a, uint32_t b) {
-  return a == b ? 0 : *between(w->tiles->limit, a, b) - *between(w->tiles->path, a, b);
+/* What two tiles may still go beside each other from where they are. */
+static int64_t room_between(const fray_world *w, uint32_t a, uint32_t b) {
+  return a == b ? 0 : (int64_t)between(w, a, b)->room + between(w, a, b)->gone;
 }
+static int64_t room_of(const fray_world *w, uint32_t t) { return (int64_t)w->layer_ways[t].room + w->layer_ways[t].gone; }
 
-static void try_two(fray_world *w, uint32_t t, uint32_t other, int32_t room) {
+static void try_two(fray_world *w, uint32_t t, uint32_t other, int64_t room) {
   const layer_box *a = &w->layer_boxes[t];
   const layer_box *b = &w->layer_boxes[other];
-  const int64_t reach = least_apart(w) + room + w->layer_ways[t].room + w->layer_ways[other].room;
+  const int64_t reach = least_apart(w) + room + room_of(w, t) + room_of(w, other);
   ++w->work.self_visits;
   if (!are_beside(a->low, a->high, b->low, b->high, reach)) meet(w, t, other, fx_saturate(reach));
 }
@@ -497,8 +499,8 @@ static void try_two(fray_world *w, uint32_t t, uint32_t other, int32_t room) {
 static void list_with(fray_world *w, uint32_t t, uint32_t tile, int all) {
   const layer_tile *of = &w->tiles->tile[tile];
   const layer_box *b = &w->layer_boxes[t];
-  const int32_t room = room_between(w, b->tile, tile);
-  if (are_beside(b->low, b->high, of->low, of->high, least_apart(w) + room + w->layer_ways[t].room + of->room)) return;
+  const int64_t room = room_between(w, b->tile, tile);
+  if (are_beside(b->low, b->high, of->low, of->high, least_apart(w) + room + room_of(w, t) + 2 * (int64_t)of->room)) return;
   for (uint32_t n = of->first; n < of->end && w->listed.lacks == 0; ++n) {
     const uint32_t other = w->layer_order[n];
     if (all || other < t || (other > t && w->layer_soon[other] != LAYERS_STALE)) try_two(w, t, other, room);
@@ -511,7 +513,7 @@ static void list_tiles(fray_world *w, uint32_t a, uint32_t b) {
 }
 
 static int are_listed(const fray_world *w, uint32_t a, uint32_t b) {
-  return a == b || *between(w->tiles->soon, a, b) != LAYERS_STALE;
+  return a == b || between(w, a, b)->soon != LAYERS_STALE;
 }
 
 /* What was listed: without what is stale, and what may meet. */
@@ -532,14 +534,13 @@ static void look_at_list(fray_world *w) {
 /* Returns 0 where there is no room. */
 static int list_stale(fray_world *w) {
   layer_list *l = &w->listed;
-  layer_tiles *of = w->tiles;
   l->full = l->lacks = 0;
   for (uint32_t n = 0; n < l->stale; ++n)
     for (uint32_t b = 0; b < tiles_of(w) && l->lacks == 0; ++b)
       if (are_listed(w, w->layer_boxes[w->layer_stale[n]].tile, b)) list_with(w, w->layer_stale[n], b, 0);
   for (uint32_t a = 0; a < tiles_of(w); ++a)
     for (uint32_t b = 0; b < a && l->lacks == 0; ++b)
-      if (of->limit[a][b] >= 0 && of->soon[a][b] == LAYERS_STALE) list_tiles(w, a, b);
+      if (between(w, a, b)->room >= 0 && between(w, a, b)->soon == LAYERS_STALE) list_tiles(w, a, b);
   return l->lacks == 0;
 }
 
@@ -557,7 +558,7 @@ static void list_tight(fray_world *w) {
     const uint32_t met = l->met;
     for (uint32_t again = 0; again < 2; ++again) {
       for (uint32_t b = 0; b < tiles_of(w) && l->lacks == 0; ++b)
-        if (b == w->layer_boxes[t].tile || *between(w->tiles->limit, w->layer_boxes[t].tile, b) >= 0) list_with(w, t, b, 0);
+        if (b == w->layer_boxes[t].tile || between(w, w->layer_boxes[t].tile, b)->room >= 0) list_with(w, t, b, 0);
       if (l->lacks == 0) break;
       l->lacks = 0;
       l->full = 1;
