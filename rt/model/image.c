@@ -136,6 +136,7 @@ const image_array image_arrays[] = {
     LAYERS(KIND_STRUCT, POOL_TRIANGLES, sizeof(uint32_t), layer_counts),
     LAYERS(KIND_ID, POOL_TRIANGLES, 1, layer_order),
     LAYERS(KIND_ID, POOL_TRIANGLES, 1, layer_stale),
+    LAYERS(KIND_STRUCT, POOL_TRIANGLES, sizeof(layer_clump), layer_clumps),
     {"tiles", 0, ROLE_TICK, KIND_STRUCT, POOL_PARAMS, POOL_LAYERS, sizeof(layer_tiles), AT(tiles)},
     LAYERS(KIND_STRUCT, POOL_PARTICLES, sizeof(self_zone), zones),
     LAYERS(KIND_ID, POOL_PARTICLES, 1, zone_of),

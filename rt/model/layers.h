@@ -12,7 +12,9 @@ enum {
   LAYERS_LOOKS = SELVES_PASSES + 2, /* at bodies, behind each pass */
   LAYERS_ACROSS = 8,  /* tiles along weft and warp at most */
   LAYERS_TILES = LAYERS_ACROSS * LAYERS_ACROSS,
-  LAYERS_TILE = 32    /* triangles of a tile, about, at least */
+  LAYERS_TILE = 32,   /* triangles of a tile, about, at least */
+  LAYERS_PARTS = 3,   /* of a tile, along weft and warp: triangles are in order by them */
+  LAYERS_CLUMP = 8    /* of triangles that follow each other in order */
 };
 
 /* A vertex p[0] and a triangle, or two sides, that are near each other, and the triangles that have to look at
@@ -33,8 +35,11 @@ typedef struct {
   int32_t low[3], high[3];
   row_id v[3];  /* as it was listed */
   uint8_t own;  /* bits 0 to 2: vertices that are this triangle's to look at, 3 to 5: sides */
-  uint8_t tile;
+  uint8_t tile, part;
 } layer_box;
+typedef struct {
+  int32_t low[3], high[3];
+} layer_clump;
 
 /* How far a triangle is from where it was listed, by the farthest of its corners, beside what its tile has gone in
  * the mean; Q24 lu. */
@@ -50,6 +55,7 @@ typedef struct {
   vec3 mean, gone;     /* in this tick; in all that went before */
   int32_t room;        /* the most of its triangles */
   uint32_t first, end; /* of them, in layer_order */
+  uint64_t near;       /* tiles that it is listed with, a bit each */
 } layer_tile;
 
 /* Two tiles, the one with the greater number first: how far one is beside the other from where it was when they

@@ -146,6 +146,7 @@ struct fray_world {
   int32_t *layer_soon;       /* triangle -> how far it has gone, and goes in this tick; LAYERS_STALE */
   layer_box *layer_boxes;    /* of a triangle */
   row_id *layer_order;       /* triangles by tiles */
+  layer_clump *layer_clumps; /* boxes around them */
   row_id *layer_stale;       /* those that are to be listed */
   uint32_t *layer_counts;    /* of a triangle: pairs that it has */
   layer_tiles *tiles;

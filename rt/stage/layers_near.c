@@ -16,8 +16,8 @@
 
 enum {
   SHORT = 24,      /* segments of the list that are put in order one by one */
-  FAST = 4,        /* room of a triangle, in ways of this tick, at least */
-  USUAL = 6,       /* room: that part of how wide triangles are */
+  FAST = 1,        /* room of a triangle, in ways of this tick, at least */
+  USUAL = 24,       /* room: that part of how wide triangles are */
   PATH_MOST = 1 << 28
 };
 
@@ -149,18 +149,22 @@ static int are_beside(const int32_t *low, const int32_t *high, const int32_t *ot
 
 /* ---- tiles ---- */
 
-static uint32_t tile_along(const layer_list *l, int32_t at, uint32_t axis) {
+static uint32_t part_along(const layer_list *l, int32_t at, uint32_t axis) {
   const int64_t n = ((int64_t)at - l->low[axis]) / l->size[axis];
-  return (uint32_t)fx_clamp64(n, 0, (int64_t)l->across - 1);
+  return (uint32_t)fx_clamp64(n, 0, (int64_t)l->across * LAYERS_PARTS - 1);
 }
 
 /* By the middle of a triangle at rest. */
-static uint8_t tile_of(const fray_world *w, uint32_t t) {
+static void find_tile(fray_world *w, uint32_t t) {
   const sheet_mesh *s = &w->sheet;
   const row_id *v = s->triangle[t].v;
+  layer_box *b = &w->layer_boxes[t];
   const int32_t u = s->u[v[0]] / 3 + s->u[v[1]] / 3 + s->u[v[2]] / 3;
   const int32_t at = s->v[v[0]] / 3 + s->v[v[1]] / 3 + s->v[v[2]] / 3;
-  return (uint8_t)(tile_along(&w->listed, at, 1) * w->listed.across + tile_along(&w->listed, u, 0));
+  const uint32_t i = part_along(&w->listed, u, 0);
+  const uint32_t j = part_along(&w->listed, at, 1);
+  b->tile = (uint8_t)(j / LAYERS_PARTS * w->listed.across + i / LAYERS_PARTS);
+  b->part = (uint8_t)(j % LAYERS_PARTS * LAYERS_PARTS + i % LAYERS_PARTS);
 }
 
 static void find_rest(fray_world *w) {
@@ -174,38 +178,55 @@ static void find_rest(fray_world *w) {
       l->low[k] = fx_min(l->low[k], at[k][p]);
       high = fx_max(high, at[k][p]);
     }
-    l->size[k] = fx_sub(high, l->low[k]) / (int32_t)l->across + 1;
+    l->size[k] = fx_sub(high, l->low[k]) / ((int32_t)l->across * LAYERS_PARTS) + 1;
   }
 }
 
-/* Triangles by tiles, in order of their numbers. */
+/* Triangles by tiles and their parts, in order of their numbers. */
 static void fill_tiles(fray_world *w) {
+  enum { PARTS = LAYERS_PARTS * LAYERS_PARTS };
   layer_tile *tile = w->tiles->tile;
+  uint32_t from[LAYERS_TILES * PARTS];
   uint32_t sum = 0;
-  for (uint32_t a = 0; a < tiles_of(w); ++a) tile[a].end = 0;
-  for (uint32_t t = 0; t < triangles_of(w); ++t) ++tile[w->layer_boxes[t].tile].end;
-  for (uint32_t a = 0; a < tiles_of(w); ++a) {
-    const uint32_t count = tile[a].end;
-    tile[a].first = tile[a].end = sum;
+  for (uint32_t n = 0; n < tiles_of(w) * PARTS; ++n) from[n] = 0;
+  for (uint32_t t = 0; t < triangles_of(w); ++t) ++from[w->layer_boxes[t].tile * PARTS + w->layer_boxes[t].part];
+  for (uint32_t n = 0; n < tiles_of(w) * PARTS; ++n) {
+    const uint32_t count = from[n];
+    from[n] = sum;
+    if (n % PARTS == 0) tile[n / PARTS].first = sum;
     sum += count;
+    tile[n / PARTS].end = sum;
   }
-  for (uint32_t t = 0; t < triangles_of(w); ++t) w->layer_order[tile[w->layer_boxes[t].tile].end++] = (row_id)t;
+  for (uint32_t t = 0; t < triangles_of(w); ++t)
+    w->layer_order[from[w->layer_boxes[t].tile * PARTS + w->layer_boxes[t].part]++] = (row_id)t;
 }
 
-static void box_tile(fray_world *w, layer_tile *tile) {
-  tile->room = 0;
+static const layer_clump around_nothing = {{INT32_MAX, INT32_MAX, INT32_MAX}, {-INT32_MAX, -INT32_MAX, -INT32_MAX}};
+
+static void widen(int32_t *low, int32_t *high, const int32_t *other_low, const int32_t *other_high) {
   for (uint32_t k = 0; k < 3; ++k) {
-    tile->low[k] = INT32_MAX;
-    tile->high[k] = -INT32_MAX;
+    low[k] = fx_min(low[k], other_low[k]);
+    high[k] = fx_max(high[k], other_high[k]);
   }
-  for (uint32_t n = tile->first; n < tile->end; ++n) {
-    const uint32_t t = w->layer_order[n];
-    const layer_box *b = &w->layer_boxes[t];
-    for (uint32_t k = 0; k < 3; ++k) {
-      tile->low[k] = fx_min(tile->low[k], b->low[k]);
-      tile->high[k] = fx_max(tile->high[k], b->high[k]);
+}
+
+/* Around the triangles of it from n on, in clumps, each in the place of its first. */
+static void box_tile(fray_world *w, layer_tile *tile) {
+  layer_clump all = around_nothing;
+  tile->room = 0;
+  for (uint32_t first = tile->first; first < tile->end; first += LAYERS_CLUMP) {
+    layer_clump *clump = &w->layer_clumps[first];
+    *clump = around_nothing;
+    for (uint32_t n = first; n < tile->end && n < first + LAYERS_CLUMP; ++n) {
+      const layer_box *b = &w->layer_boxes[w->layer_order[n]];
+      widen(clump->low, clump->high, b->low, b->high);
+      tile->room = fx_max(tile->room, w->layer_ways[w->layer_order[n]].room);
     }
-    tile->room = fx_max(tile->room, w->layer_ways[t].room);
+    widen(all.low, all.high, clump->low, clump->high);
+  }
+  for (uint32_t k = 0; k < 3; ++k) {
+    tile->low[k] = all.low[k];
+    tile->high[k] = all.high[k];
   }
 }
 
@@ -216,7 +237,7 @@ static void renew(fray_world *w, uint32_t t) {
   layer_box *b = &w->layer_boxes[t];
   for (uint32_t k = 0; k < 3; ++k) b->v[k] = w->sheet.triangle[t].v[k];
   b->own = bits_of_own(w, t);
-  b->tile = tile_of(w, t);
+  find_tile(w, t);
   w->layer_ways[t].room = -1;
 }
 
@@ -317,8 +338,36 @@ static void look_at(fray_world *w, uint32_t n, sweep_gap gap) {
   w->layers_met[w->listed.met++] = n;
 }
 
+static int32_t mid(int32_t c, int32_t d, int32_t a, int32_t b) {
+  return fx_asr(c, 6) + fx_asr(d, 6) - fx_asr(a, 6) - fx_asr(b, 6);
+}
+static int32_t third(int32_t b, int32_t c, int32_t d, int32_t a) {
+  return fx_asr(b, 5) + fx_asr(c, 5) + fx_asr(d, 5) - 3 * fx_asr(a, 5);
+}
+
+/* The way between the middles separates them by more than the reach. */
+static int are_separated(const fray_world *w, const layer_pair *pair, int64_t reach) {
+  const uint32_t as = layer_firsts(pair);
+  vec3 at[4];
+  for (uint32_t n = 0; n < 4; ++n) at[n] = w->ways[pair->p[n]].begin;
+  /* six times, in 29 bits */
+  const vec3 way = as == 2 ? vec_make(3 * mid(at[2].x, at[3].x, at[0].x, at[1].x), 3 * mid(at[2].y, at[3].y, at[0].y, at[1].y),
+                                      3 * mid(at[2].z, at[3].z, at[0].z, at[1].z))
+                           : vec_make(third(at[1].x, at[2].x, at[3].x, at[0].x), third(at[1].y, at[2].y, at[3].y, at[0].y),
+                                      third(at[1].z, at[2].z, at[3].z, at[0].z));
+  int64_t most = fx_mul_wide(zones_length(way), fx_saturate(reach));
+  if (as == 2) {
+    const int64_t other = zones_along(at[0], at[1], way);
+    if (other > 0) most = fx_add64(most, other);
+  }
+  for (uint32_t n = as; n < 4; ++n)
+    if (zones_along(at[0], at[n], way) <= most) return 0;
+  return 1;
+}
+
 static void add_pair(fray_world *w, layer_pair *pair, int64_t reach) {
   layer_list *l = &w->listed;
+  if (are_separated(w, pair, reach)) return;
   const sweep_gap gap = layers_gap(w, pair);
   if (gap.begin > reach || (l->tight != 0 && !may_meet(w, pair, gap))) return;
   pair->kin = has_kin(&w->sheet, pair);
@@ -463,6 +512,7 @@ static int are_far(const fray_world *w, const layer_tile *a, const layer_tile *b
 static void find_stale_tiles(fray_world *w) {
   const layer_list *l = &w->listed;
   layer_tiles *of = w->tiles;
+  for (uint32_t a = 0; a < tiles_of(w); ++a) of->tile[a].near = (uint64_t)1 << a;
   for (uint32_t a = 0; a < tiles_of(w); ++a)
     for (uint32_t b = 0; b < a; ++b) {
       layer_beside *pair = between(w, a, b);
@@ -471,7 +521,11 @@ static void find_stale_tiles(fray_world *w) {
       const int32_t room = l->tight != 0 ? goes : fx_max(fx_saturate((int64_t)FAST * goes), l->usual);
       pair->gone = pair->room < 0 ? 0 : length_most(wrap_sub(from, pair->from));
       pair->soon = pair->gone + goes;
-      if (pair->soon <= pair->room) continue;
+      if (pair->soon <= pair->room) {
+        of->tile[a].near |= (uint64_t)1 << b;
+        of->tile[b].near |= (uint64_t)1 << a;
+        continue;
+      }
       pair->soon = LAYERS_STALE;
       pair->room = -1;
       if (are_far(w, &of->tile[a], &of->tile[b], room)) continue;
@@ -495,25 +549,37 @@ static void try_two(fray_world *w, uint32_t t, uint32_t other, int64_t room) {
   if (!are_beside(a->low, a->high, b->low, b->high, reach)) meet(w, t, other, fx_saturate(reach));
 }
 
-/* A triangle with those of a tile; of two that are both stale the one with the greater number does it. */
-static void list_with(fray_world *w, uint32_t t, uint32_t tile, int all) {
-  const layer_tile *of = &w->tiles->tile[tile];
-  const layer_box *b = &w->layer_boxes[t];
-  const int64_t room = room_between(w, b->tile, tile);
-  if (are_beside(b->low, b->high, of->low, of->high, least_apart(w) + room + room_of(w, t) + 2 * (int64_t)of->room)) return;
-  for (uint32_t n = of->first; n < of->end && w->listed.lacks == 0; ++n) {
+static void list_clump(fray_world *w, uint32_t t, uint32_t first, uint32_t end, int64_t room, int all) {
+  for (uint32_t n = first; n < end; ++n) {
     const uint32_t other = w->layer_order[n];
     if (all || other < t || (other > t && w->layer_soon[other] != LAYERS_STALE)) try_two(w, t, other, room);
   }
 }
 
+/* A triangle with those of a tile; of two that are both stale the one with the greater number does it. */
+static void list_with(fray_world *w, uint32_t t, uint32_t tile, int all) {
+  const layer_tile *of = &w->tiles->tile[tile];
+  const layer_box *b = &w->layer_boxes[t];
+  const int64_t room = room_between(w, b->tile, tile);
+  const int64_t reach = least_apart(w) + room + room_of(w, t) + 2 * (int64_t)of->room;
+  if (are_beside(b->low, b->high, of->low, of->high, reach)) return;
+  for (uint32_t n = of->first; n < of->end && w->listed.lacks == 0; n += LAYERS_CLUMP) {
+    const layer_clump *clump = &w->layer_clumps[n];
+    ++w->work.self_visits;
+    if (!are_beside(b->low, b->high, clump->low, clump->high, reach))
+      list_clump(w, t, n, n + LAYERS_CLUMP < of->end ? n + LAYERS_CLUMP : of->end, room, all);
+  }
+}
+
+/* With those of all tiles that are listed together. */
+static void list_near(fray_world *w, uint32_t t, uint64_t tiles) {
+  for (uint64_t left = tiles; left != 0 && w->listed.lacks == 0; left &= left - 1u)
+    list_with(w, t, 63u - fx_leading_zeros64(left & (~left + 1u)), 0);
+}
+
 static void list_tiles(fray_world *w, uint32_t a, uint32_t b) {
   const layer_tile *of = &w->tiles->tile[a];
   for (uint32_t n = of->first; n < of->end && w->listed.lacks == 0; ++n) list_with(w, w->layer_order[n], b, 1);
-}
-
-static int are_listed(const fray_world *w, uint32_t a, uint32_t b) {
-  return a == b || between(w, a, b)->soon != LAYERS_STALE;
 }
 
 /* What was listed: without what is stale, and what may meet. */
@@ -535,9 +601,10 @@ static void look_at_list(fray_world *w) {
 static int list_stale(fray_world *w) {
   layer_list *l = &w->listed;
   l->full = l->lacks = 0;
-  for (uint32_t n = 0; n < l->stale; ++n)
-    for (uint32_t b = 0; b < tiles_of(w) && l->lacks == 0; ++b)
-      if (are_listed(w, w->layer_boxes[w->layer_stale[n]].tile, b)) list_with(w, w->layer_stale[n], b, 0);
+  for (uint32_t n = 0; n < l->stale && l->lacks == 0; ++n) {
+    const uint32_t t = w->layer_stale[n];
+    list_near(w, t, w->tiles->tile[w->layer_boxes[t].tile].near);
+  }
   for (uint32_t a = 0; a < tiles_of(w); ++a)
     for (uint32_t b = 0; b < a && l->lacks == 0; ++b)
       if (between(w, a, b)->room >= 0 && between(w, a, b)->soon == LAYERS_STALE) list_tiles(w, a, b);
@@ -556,9 +623,11 @@ static void list_tight(fray_world *w) {
   for (uint32_t t = 0; t < triangles_of(w); ++t) {
     const uint32_t first = l->pairs;
     const uint32_t met = l->met;
+    uint64_t near = 0;
+    for (uint32_t b = 0; b < tiles_of(w); ++b)
+      if (b == w->layer_boxes[t].tile || between(w, w->layer_boxes[t].tile, b)->room >= 0) near |= (uint64_t)1 << b;
     for (uint32_t again = 0; again < 2; ++again) {
-      for (uint32_t b = 0; b < tiles_of(w) && l->lacks == 0; ++b)
-        if (b == w->layer_boxes[t].tile || between(w, w->layer_boxes[t].tile, b)->room >= 0) list_with(w, t, b, 0);
+      list_near(w, t, near);
       if (l->lacks == 0) break;
       l->lacks = 0;
       l->full = 1;
