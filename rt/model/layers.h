@@ -36,9 +36,11 @@ typedef struct {
   row_id v[3];  /* as it was listed */
   uint8_t own;  /* bits 0 to 2: vertices that are this triangle's to look at, 3 to 5: sides */
   uint8_t tile, part;
+  uint8_t hot;  /* so fast that it is not listed for longer than this tick */
 } layer_box;
 typedef struct {
   int32_t low[3], high[3];
+  int32_t room; /* the most of its triangles */
 } layer_clump;
 
 /* How far a triangle is from where it was listed, by the farthest of its corners, beside what its tile has gone in

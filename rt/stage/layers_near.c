@@ -16,8 +16,8 @@
 
 enum {
   SHORT = 24,      /* segments of the list that are put in order one by one */
-  FAST = 1,        /* room of a triangle, in ways of this tick, at least */
-  USUAL = 24,       /* room: that part of how wide triangles are */
+  FAST = 3,        /* what goes farther in a tick than that part of its room is looked at in every one */
+  USUAL = 8,       /* room: that part of how wide triangles are */
   PATH_MOST = 1 << 28
 };
 
@@ -201,7 +201,7 @@ static void fill_tiles(fray_world *w) {
     w->layer_order[from[w->layer_boxes[t].tile * PARTS + w->layer_boxes[t].part]++] = (row_id)t;
 }
 
-static const layer_clump around_nothing = {{INT32_MAX, INT32_MAX, INT32_MAX}, {-INT32_MAX, -INT32_MAX, -INT32_MAX}};
+static const layer_clump around_nothing = {{INT32_MAX, INT32_MAX, INT32_MAX}, {-INT32_MAX, -INT32_MAX, -INT32_MAX}, 0};
 
 static void widen(int32_t *low, int32_t *high, const int32_t *other_low, const int32_t *other_high) {
   for (uint32_t k = 0; k < 3; ++k) {
@@ -220,8 +220,9 @@ static void box_tile(fray_world *w, layer_tile *tile) {
     for (uint32_t n = first; n < tile->end && n < first + LAYERS_CLUMP; ++n) {
       const layer_box *b = &w->layer_boxes[w->layer_order[n]];
       widen(clump->low, clump->high, b->low, b->high);
-      tile->room = fx_max(tile->room, w->layer_ways[w->layer_order[n]].room);
+      clump->room = fx_max(clump->room, w->layer_ways[w->layer_order[n]].room);
     }
+    tile->room = fx_max(tile->room, clump->room);
     widen(all.low, all.high, clump->low, clump->high);
   }
   for (uint32_t k = 0; k < 3; ++k) {
@@ -237,6 +238,7 @@ static void renew(fray_world *w, uint32_t t) {
   layer_box *b = &w->layer_boxes[t];
   for (uint32_t k = 0; k < 3; ++k) b->v[k] = w->sheet.triangle[t].v[k];
   b->own = bits_of_own(w, t);
+  b->hot = 0;
   find_tile(w, t);
   w->layer_ways[t].room = -1;
 }
@@ -315,6 +317,39 @@ static uint8_t has_kin(const sheet_mesh *s, const layer_pair *pair) {
   return 0;
 }
 
+static int32_t mid(int32_t c, int32_t d, int32_t a, int32_t b) {
+  return fx_asr(c, 6) + fx_asr(d, 6) - fx_asr(a, 6) - fx_asr(b, 6);
+}
+static int32_t third(int32_t b, int32_t c, int32_t d, int32_t a) {
+  return fx_asr(b, 5) + fx_asr(c, 5) + fx_asr(d, 5) - 3 * fx_asr(a, 5);
+}
+
+/* The way between the middles separates them by more than the reach: when the tick begins, or until it ends. */
+static int are_separated(const fray_world *w, const layer_pair *pair, int64_t reach, int all) {
+  const uint32_t as = layer_firsts(pair);
+  const self_way *way[4];
+  for (uint32_t n = 0; n < 4; ++n) way[n] = &w->ways[pair->p[n]];
+  const vec3 p = way[0]->begin;
+  const vec3 q = way[1]->begin;
+  const vec3 r = way[2]->begin;
+  const vec3 s = way[3]->begin;
+  /* in 29 bits */
+  const vec3 along = as == 2 ? vec_make(mid(r.x, s.x, p.x, q.x), mid(r.y, s.y, p.y, q.y), mid(r.z, s.z, p.z, q.z))
+                             : vec_make(third(q.x, r.x, s.x, p.x), third(q.y, r.y, s.y, p.y), third(q.z, r.z, s.z, p.z));
+  const int64_t least = fx_mul_wide(zones_length(along), fx_saturate(reach));
+  int64_t most[2] = {least, least};
+  if (as == 2) {
+    const int64_t begin = zones_along(p, q, along);
+    const int64_t end = zones_along(way[0]->end, way[1]->end, along);
+    if (begin > 0) most[0] = fx_add64(most[0], begin);
+    if (end > 0) most[1] = fx_add64(most[1], end);
+  }
+  for (uint32_t n = as; n < 4; ++n)
+    if (zones_along(p, way[n]->begin, along) <= most[0] || (all && zones_along(way[0]->end, way[n]->end, along) <= most[1]))
+      return 0;
+  return 1;
+}
+
 /* How far both are from where they were listed, with their tiles; and with this tick. */
 static int64_t gone_together(const fray_world *w, const layer_pair *pair) {
   const uint32_t a = w->layer_boxes[pair->of[0]].tile;
@@ -333,43 +368,18 @@ static void look_at(fray_world *w, uint32_t n, sweep_gap gap) {
   layer_pair *pair = &w->layers[n];
   const int64_t left = (int64_t)gap.begin - least_apart(w) - gone_together(w, pair);
   pair->until = fx_saturate(left);
-  if (!may_meet(w, pair, gap) || are_one(w, pair)) return;
+  if (!may_meet(w, pair, gap) || are_separated(w, pair, least_apart(w), 1) || are_one(w, pair)) return;
   pair->looked = pair->near = 0;
   w->layers_met[w->listed.met++] = n;
 }
 
-static int32_t mid(int32_t c, int32_t d, int32_t a, int32_t b) {
-  return fx_asr(c, 6) + fx_asr(d, 6) - fx_asr(a, 6) - fx_asr(b, 6);
-}
-static int32_t third(int32_t b, int32_t c, int32_t d, int32_t a) {
-  return fx_asr(b, 5) + fx_asr(c, 5) + fx_asr(d, 5) - 3 * fx_asr(a, 5);
-}
-
-/* The way between the middles separates them by more than the reach. */
-static int are_separated(const fray_world *w, const layer_pair *pair, int64_t reach) {
-  const uint32_t as = layer_firsts(pair);
-  vec3 at[4];
-  for (uint32_t n = 0; n < 4; ++n) at[n] = w->ways[pair->p[n]].begin;
-  /* six times, in 29 bits */
-  const vec3 way = as == 2 ? vec_make(3 * mid(at[2].x, at[3].x, at[0].x, at[1].x), 3 * mid(at[2].y, at[3].y, at[0].y, at[1].y),
-                                      3 * mid(at[2].z, at[3].z, at[0].z, at[1].z))
-                           : vec_make(third(at[1].x, at[2].x, at[3].x, at[0].x), third(at[1].y, at[2].y, at[3].y, at[0].y),
-                                      third(at[1].z, at[2].z, at[3].z, at[0].z));
-  int64_t most = fx_mul_wide(zones_length(way), fx_saturate(reach));
-  if (as == 2) {
-    const int64_t other = zones_along(at[0], at[1], way);
-    if (other > 0) most = fx_add64(most, other);
-  }
-  for (uint32_t n = as; n < 4; ++n)
-    if (zones_along(at[0], at[n], way) <= most) return 0;
-  return 1;
-}
-
 static void add_pair(fray_world *w, layer_pair *pair, int64_t reach) {
   layer_list *l = &w->listed;
-  if (are_separated(w, pair, reach)) return;
+  if (are_separated(w, pair, reach, 0)) return;
+  const int now = l->tight != 0 || w->layer_boxes[pair->of[0]].hot != 0 || w->layer_boxes[pair->of[1]].hot != 0;
+  if (now && are_separated(w, pair, least_apart(w), 1)) return;
   const sweep_gap gap = layers_gap(w, pair);
-  if (gap.begin > reach || (l->tight != 0 && !may_meet(w, pair, gap))) return;
+  if (gap.begin > reach || (now && !may_meet(w, pair, gap))) return;
   pair->kin = has_kin(&w->sheet, pair);
   if (l->full != 0) {
     if (!are_one(w, pair)) layers_join(w, pair);
@@ -493,10 +503,11 @@ static void find_stale(fray_world *w) {
     box_of(w, t);
     way->gone = way->room < 0 ? 0 : gone_of(w, t);
     w->layer_soon[t] = way->gone + goes;
-    if (l->tight == 0 && w->layer_soon[t] <= way->room) continue;
+    if (l->tight == 0 && w->layer_boxes[t].hot == 0 && w->layer_soon[t] <= way->room) continue;
+    w->layer_boxes[t].hot = l->tight != 0 || (int64_t)FAST * goes > l->usual;
     for (uint32_t k = 0; k < 3; ++k) way->from[k] = place_of(w, t, k);
     way->gone = 0;
-    way->room = l->tight != 0 ? goes : fx_max(fx_saturate((int64_t)FAST * goes), l->usual);
+    way->room = w->layer_boxes[t].hot != 0 ? goes : l->usual;
     w->layer_soon[t] = LAYERS_STALE;
     w->layer_stale[l->stale++] = (row_id)t;
   }
@@ -561,12 +572,12 @@ static void list_with(fray_world *w, uint32_t t, uint32_t tile, int all) {
   const layer_tile *of = &w->tiles->tile[tile];
   const layer_box *b = &w->layer_boxes[t];
   const int64_t room = room_between(w, b->tile, tile);
-  const int64_t reach = least_apart(w) + room + room_of(w, t) + 2 * (int64_t)of->room;
-  if (are_beside(b->low, b->high, of->low, of->high, reach)) return;
+  const int64_t reach = least_apart(w) + room + room_of(w, t);
+  if (are_beside(b->low, b->high, of->low, of->high, reach + 2 * (int64_t)of->room)) return;
   for (uint32_t n = of->first; n < of->end && w->listed.lacks == 0; n += LAYERS_CLUMP) {
     const layer_clump *clump = &w->layer_clumps[n];
     ++w->work.self_visits;
-    if (!are_beside(b->low, b->high, clump->low, clump->high, reach))
+    if (!are_beside(b->low, b->high, clump->low, clump->high, reach + 2 * (int64_t)clump->room))
       list_clump(w, t, n, n + LAYERS_CLUMP < of->end ? n + LAYERS_CLUMP : of->end, room, all);
   }
 }
