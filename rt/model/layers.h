@@ -30,7 +30,7 @@ typedef struct {
 } layer_pair;
 static inline uint32_t layer_firsts(const layer_pair *of) { return of->kind < LAYERS_CORNERS ? 1u : 2u; }
 
-/* A triangle where the tick began. */
+/* A triangle where the tick began, and as much around it as it may go. */
 typedef struct {
   int32_t low[3], high[3];
   row_id v[3];  /* as it was listed */
@@ -40,7 +40,6 @@ typedef struct {
 } layer_box;
 typedef struct {
   int32_t low[3], high[3];
-  int32_t room; /* the most of its triangles */
 } layer_clump;
 
 /* How far a triangle is from where it was listed, by the farthest of its corners, beside what its tile has gone in
@@ -55,7 +54,6 @@ typedef struct {
 typedef struct {
   int32_t low[3], high[3];
   vec3 mean, gone;     /* in this tick; in all that went before */
-  int32_t room;        /* the most of its triangles */
   uint32_t first, end; /* of them, in layer_order */
   uint64_t near;       /* tiles that it is listed with, a bit each */
 } layer_tile;

@@ -16,7 +16,7 @@
 
 enum {
   SHORT = 24,      /* segments of the list that are put in order one by one */
-  FAST = 3,        /* what goes farther in a tick than that part of its room is looked at in every one */
+  FAST = 1,        /* what goes farther in a tick than that part of its room is looked at in every one */
   USUAL = 8,       /* room: that part of how wide triangles are */
   PATH_MOST = 1 << 28
 };
@@ -128,23 +128,23 @@ static uint8_t bits_of_own(const fray_world *w, uint32_t t) {
   return (uint8_t)own;
 }
 
-static void box_of(fray_world *w, uint32_t t) {
+/* `more` around it. */
+static void box_of(fray_world *w, uint32_t t, int32_t more) {
   layer_box *b = &w->layer_boxes[t];
   const vec3 p = w->ways[b->v[0]].begin;
   const vec3 q = w->ways[b->v[1]].begin;
   const vec3 r = w->ways[b->v[2]].begin;
-  const int32_t at[3][3] = {{p.x, q.x, r.x}, {p.y, q.y, r.y}, {p.z, q.z, r.z}};
-  for (uint32_t k = 0; k < 3; ++k) {
-    b->low[k] = fx_min(fx_min(at[k][0], at[k][1]), at[k][2]);
-    b->high[k] = fx_max(fx_max(at[k][0], at[k][1]), at[k][2]);
-  }
+  b->low[0] = fx_sub(fx_min(fx_min(p.x, q.x), r.x), more);
+  b->low[1] = fx_sub(fx_min(fx_min(p.y, q.y), r.y), more);
+  b->low[2] = fx_sub(fx_min(fx_min(p.z, q.z), r.z), more);
+  b->high[0] = fx_add(fx_max(fx_max(p.x, q.x), r.x), more);
+  b->high[1] = fx_add(fx_max(fx_max(p.y, q.y), r.y), more);
+  b->high[2] = fx_add(fx_max(fx_max(p.z, q.z), r.z), more);
 }
 
-static int are_beside(const int32_t *low, const int32_t *high, const int32_t *other_low, const int32_t *other_high,
-                      int64_t reach) {
-  for (uint32_t k = 0; k < 3; ++k)
-    if ((int64_t)other_low[k] - high[k] > reach || (int64_t)low[k] - other_high[k] > reach) return 1;
-  return 0;
+static inline int overlap(const int32_t *low, const int32_t *high, const int32_t *other_low, const int32_t *other_high) {
+  return low[0] <= other_high[0] && other_low[0] <= high[0] && low[1] <= other_high[1] && other_low[1] <= high[1] &&
+         low[2] <= other_high[2] && other_low[2] <= high[2];
 }
 
 /* ---- tiles ---- */
@@ -201,8 +201,14 @@ static void fill_tiles(fray_world *w) {
     w->layer_order[from[w->layer_boxes[t].tile * PARTS + w->layer_boxes[t].part]++] = (row_id)t;
 }
 
-static const layer_clump around_nothing = {{INT32_MAX, INT32_MAX, INT32_MAX}, {-INT32_MAX, -INT32_MAX, -INT32_MAX}, 0};
+static const layer_clump around_nothing = {{INT32_MAX, INT32_MAX, INT32_MAX}, {-INT32_MAX, -INT32_MAX, -INT32_MAX}};
 
+static void widen_by(int32_t *low, int32_t *high, int64_t by) {
+  for (uint32_t k = 0; k < 3; ++k) {
+    low[k] = fx_saturate(low[k] - by);
+    high[k] = fx_saturate(high[k] + by);
+  }
+}
 static void widen(int32_t *low, int32_t *high, const int32_t *other_low, const int32_t *other_high) {
   for (uint32_t k = 0; k < 3; ++k) {
     low[k] = fx_min(low[k], other_low[k]);
@@ -213,16 +219,13 @@ static void widen(int32_t *low, int32_t *high, const int32_t *other_low, const i
 /* Around the triangles of it from n on, in clumps, each in the place of its first. */
 static void box_tile(fray_world *w, layer_tile *tile) {
   layer_clump all = around_nothing;
-  tile->room = 0;
   for (uint32_t first = tile->first; first < tile->end; first += LAYERS_CLUMP) {
     layer_clump *clump = &w->layer_clumps[first];
     *clump = around_nothing;
     for (uint32_t n = first; n < tile->end && n < first + LAYERS_CLUMP; ++n) {
       const layer_box *b = &w->layer_boxes[w->layer_order[n]];
       widen(clump->low, clump->high, b->low, b->high);
-      clump->room = fx_max(clump->room, w->layer_ways[w->layer_order[n]].room);
     }
-    tile->room = fx_max(tile->room, clump->room);
     widen(all.low, all.high, clump->low, clump->high);
   }
   for (uint32_t k = 0; k < 3; ++k) {
@@ -266,7 +269,7 @@ static void begin_list(fray_world *w) {
   find_rest(w);
   for (uint32_t t = 0; t < triangles_of(w); ++t) {
     renew(w, t);
-    box_of(w, t);
+    box_of(w, t, 0);
     const layer_box *b = &w->layer_boxes[t];
     wide += fx_max(fx_max(fx_sub(b->high[0], b->low[0]), fx_sub(b->high[1], b->low[1])), fx_sub(b->high[2], b->low[2]));
   }
@@ -401,7 +404,7 @@ typedef struct {
 } duo;
 
 static int is_beside(int32_t a0, int32_t a1, int32_t b0, int32_t b1, int32_t reach) {
-  return (int64_t)fx_min(b0, b1) - fx_max(a0, a1) > reach || (int64_t)fx_min(a0, a1) - fx_max(b0, b1) > reach;
+  return fx_sub(fx_min(b0, b1), fx_max(a0, a1)) > reach || fx_sub(fx_min(a0, a1), fx_max(b0, b1)) > reach;
 }
 static int sides_are_beside(const duo *d, uint32_t m, uint32_t n) {
   const vec3 *p = &d->at[0][sheet_next(m)];
@@ -412,7 +415,7 @@ static int sides_are_beside(const duo *d, uint32_t m, uint32_t n) {
          is_beside(p->z, q->z, r->z, s->z, d->reach);
 }
 static int is_off(int32_t p, const int32_t a, const int32_t b, const int32_t c, int32_t reach) {
-  return (int64_t)fx_min(fx_min(a, b), c) - p > reach || (int64_t)p - fx_max(fx_max(a, b), c) > reach;
+  return fx_sub(fx_min(fx_min(a, b), c), p) > reach || fx_sub(p, fx_max(fx_max(a, b), c)) > reach;
 }
 static int corner_is_off(const duo *d, uint32_t of, uint32_t k) {
   const vec3 p = d->at[of][k];
@@ -491,6 +494,8 @@ static void meet(fray_world *w, uint32_t t, uint32_t other, int32_t reach) {
 
 /* ---- looking for them ---- */
 
+static int64_t room_of(const fray_world *w, uint32_t t) { return (int64_t)w->layer_ways[t].room + w->layer_ways[t].gone; }
+
 /* Those that are no more where they were listed, or will not be, are to be listed. */
 static void find_stale(fray_world *w) {
   layer_list *l = &w->listed;
@@ -500,7 +505,6 @@ static void find_stale(fray_world *w) {
   for (uint32_t t = 0; t < triangles_of(w); ++t) {
     layer_way *way = &w->layer_ways[t];
     const int32_t goes = goes_by(w, t);
-    box_of(w, t);
     way->gone = way->room < 0 ? 0 : gone_of(w, t);
     w->layer_soon[t] = way->gone + goes;
     if (l->tight == 0 && w->layer_boxes[t].hot == 0 && w->layer_soon[t] <= way->room) continue;
@@ -511,12 +515,8 @@ static void find_stale(fray_world *w) {
     w->layer_soon[t] = LAYERS_STALE;
     w->layer_stale[l->stale++] = (row_id)t;
   }
+  for (uint32_t t = 0; t < triangles_of(w); ++t) box_of(w, t, fx_saturate(least_apart(w) / 2 + 1 + room_of(w, t)));
   for (uint32_t a = 0; a < tiles_of(w); ++a) box_tile(w, &of->tile[a]);
-}
-
-/* As far as they and their triangles may go. */
-static int are_far(const fray_world *w, const layer_tile *a, const layer_tile *b, int32_t room) {
-  return are_beside(a->low, a->high, b->low, b->high, least_apart(w) + 2 * ((int64_t)a->room + b->room + room));
 }
 
 /* Tiles that are near each other and are not listed, or are no more beside each other as they were. */
@@ -527,6 +527,8 @@ static void find_stale_tiles(fray_world *w) {
   for (uint32_t a = 0; a < tiles_of(w); ++a)
     for (uint32_t b = 0; b < a; ++b) {
       layer_beside *pair = between(w, a, b);
+      const layer_tile *one = &of->tile[a];
+      layer_tile wider;
       const vec3 from = wrap_sub(of->tile[a].gone, of->tile[b].gone);
       const int32_t goes = gone_by(of->tile[a].mean, of->tile[b].mean, vec_make(0, 0, 0));
       const int32_t room = l->tight != 0 ? goes : fx_max(fx_saturate((int64_t)FAST * goes), l->usual);
@@ -539,7 +541,9 @@ static void find_stale_tiles(fray_world *w) {
       }
       pair->soon = LAYERS_STALE;
       pair->room = -1;
-      if (are_far(w, &of->tile[a], &of->tile[b], room)) continue;
+      wider = *one;
+      widen_by(wider.low, wider.high, room);
+      if (!overlap(wider.low, wider.high, of->tile[b].low, of->tile[b].high)) continue;
       pair->from = from;
       pair->gone = 0;
       pair->room = room;
@@ -550,35 +554,32 @@ static void find_stale_tiles(fray_world *w) {
 static int64_t room_between(const fray_world *w, uint32_t a, uint32_t b) {
   return a == b ? 0 : (int64_t)between(w, a, b)->room + between(w, a, b)->gone;
 }
-static int64_t room_of(const fray_world *w, uint32_t t) { return (int64_t)w->layer_ways[t].room + w->layer_ways[t].gone; }
-
-static void try_two(fray_world *w, uint32_t t, uint32_t other, int64_t room) {
-  const layer_box *a = &w->layer_boxes[t];
+static void try_two(fray_world *w, const layer_box *box, uint32_t t, uint32_t other, int64_t room) {
   const layer_box *b = &w->layer_boxes[other];
-  const int64_t reach = least_apart(w) + room + room_of(w, t) + room_of(w, other);
   ++w->work.self_visits;
-  if (!are_beside(a->low, a->high, b->low, b->high, reach)) meet(w, t, other, fx_saturate(reach));
+  if (overlap(box->low, box->high, b->low, b->high))
+    meet(w, t, other, fx_saturate(least_apart(w) + room + room_of(w, t) + room_of(w, other)));
 }
 
-static void list_clump(fray_world *w, uint32_t t, uint32_t first, uint32_t end, int64_t room, int all) {
+static void list_clump(fray_world *w, const layer_box *box, uint32_t t, uint32_t first, uint32_t end, int64_t room, int all) {
   for (uint32_t n = first; n < end; ++n) {
     const uint32_t other = w->layer_order[n];
-    if (all || other < t || (other > t && w->layer_soon[other] != LAYERS_STALE)) try_two(w, t, other, room);
+    if (all || other < t || (other > t && w->layer_soon[other] != LAYERS_STALE)) try_two(w, box, t, other, room);
   }
 }
 
 /* A triangle with those of a tile; of two that are both stale the one with the greater number does it. */
 static void list_with(fray_world *w, uint32_t t, uint32_t tile, int all) {
   const layer_tile *of = &w->tiles->tile[tile];
-  const layer_box *b = &w->layer_boxes[t];
-  const int64_t room = room_between(w, b->tile, tile);
-  const int64_t reach = least_apart(w) + room + room_of(w, t);
-  if (are_beside(b->low, b->high, of->low, of->high, reach + 2 * (int64_t)of->room)) return;
+  layer_box box = w->layer_boxes[t];
+  const int64_t room = room_between(w, box.tile, tile);
+  widen_by(box.low, box.high, room);
+  if (!overlap(box.low, box.high, of->low, of->high)) return;
   for (uint32_t n = of->first; n < of->end && w->listed.lacks == 0; n += LAYERS_CLUMP) {
     const layer_clump *clump = &w->layer_clumps[n];
     ++w->work.self_visits;
-    if (!are_beside(b->low, b->high, clump->low, clump->high, reach + 2 * (int64_t)clump->room))
-      list_clump(w, t, n, n + LAYERS_CLUMP < of->end ? n + LAYERS_CLUMP : of->end, room, all);
+    if (overlap(box.low, box.high, clump->low, clump->high))
+      list_clump(w, &box, t, n, n + LAYERS_CLUMP < of->end ? n + LAYERS_CLUMP : of->end, room, all);
   }
 }
 
