@@ -137,7 +137,8 @@ const image_array image_arrays[] = {
     LAYERS(KIND_ID, POOL_TRIANGLES, 1, layer_order),
     LAYERS(KIND_ID, POOL_TRIANGLES, 1, layer_stale),
     LAYERS(KIND_STRUCT, POOL_TRIANGLES, sizeof(layer_clump), layer_clumps),
-    {"tiles", 0, ROLE_TICK, KIND_STRUCT, POOL_PARAMS, POOL_LAYERS, sizeof(layer_tiles), AT(tiles)},
+    LAYERS(KIND_STRUCT, POOL_TILES, sizeof(layer_tile), tiles),
+    LAYERS(KIND_STRUCT, POOL_BESIDE, sizeof(layer_beside), tiles_beside),
     LAYERS(KIND_STRUCT, POOL_PARTICLES, sizeof(self_zone), zones),
     LAYERS(KIND_ID, POOL_PARTICLES, 1, zone_of),
     LAYERS(KIND_BYTE, POOL_PARTICLES, 1, stirred),
@@ -239,7 +240,18 @@ static fray_world *plan_carve(const uint32_t capacity[POOLS], int readable, void
   return w;
 }
 
-size_t image_blank(const uint32_t capacity[POOLS], void *memory, fray_world **world) {
+/* What follows from the other capacities. */
+static void derive_pools(uint32_t capacity[POOLS]) {
+  const uint32_t across = layers_across(capacity[POOL_TRIANGLES]);
+  const uint32_t tiles = capacity[POOL_LAYERS] != 0 ? across * across : 0;
+  capacity[POOL_TILES] = tiles;
+  capacity[POOL_BESIDE] = tiles * (tiles - (tiles != 0)) / 2u;
+}
+
+size_t image_blank(const uint32_t said[POOLS], void *memory, fray_world **world) {
+  uint32_t capacity[POOLS];
+  for (uint32_t p = 0; p < POOLS; ++p) capacity[p] = said[p];
+  derive_pools(capacity);
   const size_t bytes = plan_bytes(capacity, 0);
   if (memory != NULL) *world = plan_carve(capacity, 0, memory, bytes);
   return bytes;
@@ -305,6 +317,7 @@ static fray_status read_header(const uint8_t *image, size_t bytes, uint32_t capa
   }
   const fray_status status = read_directory(image, bytes, capacity, error);
   if (status != FRAY_OK) return status;
+  derive_pools(capacity);
   if (version != version_of(capacity))
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD,
                         "2.7 for triangles that meet each other, 2.6 for meshes that cut, 2.5 for rigid meshes, 2.4 for self-collision, 2.3 for triangle sheets, "

@@ -65,10 +65,12 @@ typedef struct {
   int32_t gone, room;
   int32_t soon; /* gone, and what they go in this tick; LAYERS_STALE */
 } layer_beside;
-typedef struct {
-  layer_tile tile[LAYERS_TILES];
-  layer_beside beside[LAYERS_TILES * (LAYERS_TILES - 1) / 2];
-} layer_tiles;
+/* Of so many triangles: tiles along weft, as many as along warp. */
+static inline uint32_t layers_across(uint32_t triangles) {
+  uint32_t across = 1;
+  while (across < LAYERS_ACROSS && across * across * LAYERS_TILE < triangles) ++across;
+  return across;
+}
 #define LAYERS_STALE INT32_MAX
 
 /* Of the pairs that are listed. */

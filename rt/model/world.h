@@ -44,6 +44,8 @@ typedef enum {
   POOLS_IN_HEADER,
   POOL_MESH_WORDS = POOLS_IN_HEADER, /* not 0 iff bodies are meshes; the directory says how many */
   POOL_BLADES, /* 1 iff meshes cut its triangles, else 0; the directory says it */
+  POOL_TILES, /* of triangles that meet each other, and pairs of tiles: by how many triangles there are room for */
+  POOL_BESIDE,
   POOLS
 } pool_name;
 
@@ -149,7 +151,8 @@ struct fray_world {
   layer_clump *layer_clumps; /* boxes around them */
   row_id *layer_stale;       /* those that are to be listed */
   uint32_t *layer_counts;    /* of a triangle: pairs that it has */
-  layer_tiles *tiles;
+  layer_tile *tiles;
+  layer_beside *tiles_beside;
   uint8_t *stands;           /* particle -> 1: put back beside a body in this tick */
   layer_list listed;
   uint32_t sharp;            /* meshes that cut, a bit each; as long as the world */

@@ -60,7 +60,7 @@ static int32_t length_most(vec3 v) {
 /* In this tick. */
 static int32_t goes_by(const fray_world *w, uint32_t t) {
   const layer_box *b = &w->layer_boxes[t];
-  const vec3 mean = w->tiles->tile[b->tile].mean;
+  const vec3 mean = w->tiles[b->tile].mean;
   int32_t most = 0;
   for (uint32_t k = 0; k < 3; ++k) most = fx_max(most, gone_by(w->ways[b->v[k]].begin, w->ways[b->v[k]].end, mean));
   return most;
@@ -68,7 +68,7 @@ static int32_t goes_by(const fray_world *w, uint32_t t) {
 
 static vec3 place_of(const fray_world *w, uint32_t t, uint32_t k) {
   const layer_box *b = &w->layer_boxes[t];
-  return wrap_sub(w->ways[b->v[k]].begin, w->tiles->tile[b->tile].gone);
+  return wrap_sub(w->ways[b->v[k]].begin, w->tiles[b->tile].gone);
 }
 static int32_t gone_of(const fray_world *w, uint32_t t) {
   int32_t most = 0;
@@ -80,7 +80,7 @@ static uint32_t tiles_of(const fray_world *w) { return w->listed.across * w->lis
 
 /* Of the tick before. */
 void layers_went(fray_world *w) {
-  layer_tile *tile = w->tiles->tile;
+  layer_tile *tile = w->tiles;
   if (w->listed.kept == 0) return;
   for (uint32_t a = 0; a < tiles_of(w); ++a) {
     tile[a].gone = vec_make(fx_wrap_add(tile[a].gone.x, tile[a].mean.x), fx_wrap_add(tile[a].gone.y, tile[a].mean.y),
@@ -113,7 +113,7 @@ static int may_meet(const fray_world *w, const layer_pair *pair, sweep_gap gap) 
 }
 
 static layer_beside *between(const fray_world *w, uint32_t a, uint32_t b) {
-  return a > b ? &w->tiles->beside[a * (a - 1u) / 2u + b] : &w->tiles->beside[b * (b - 1u) / 2u + a];
+  return a > b ? &w->tiles_beside[a * (a - 1u) / 2u + b] : &w->tiles_beside[b * (b - 1u) / 2u + a];
 }
 
 /* ---- boxes ---- */
@@ -170,8 +170,7 @@ static void find_tile(fray_world *w, uint32_t t) {
 static void find_rest(fray_world *w) {
   layer_list *l = &w->listed;
   const int32_t *const at[2] = {w->sheet.u, w->sheet.v};
-  l->across = 1;
-  while (l->across < LAYERS_ACROSS && l->across * l->across * LAYERS_TILE < triangles_of(w)) ++l->across;
+  l->across = layers_across(triangles_of(w));
   for (uint32_t k = 0; k < 2; ++k) {
     int32_t high = l->low[k] = at[k][0];
     for (uint32_t p = 1; p < w->particles; ++p) {
@@ -185,7 +184,7 @@ static void find_rest(fray_world *w) {
 /* Triangles by tiles and their parts, in order of their numbers. */
 static void fill_tiles(fray_world *w) {
   enum { PARTS = LAYERS_PARTS * LAYERS_PARTS };
-  layer_tile *tile = w->tiles->tile;
+  layer_tile *tile = w->tiles;
   uint32_t from[LAYERS_TILES * PARTS];
   uint32_t sum = 0;
   for (uint32_t n = 0; n < tiles_of(w) * PARTS; ++n) from[n] = 0;
@@ -264,7 +263,7 @@ static void remember(fray_world *w) {
 /* Nothing is listed: all triangles are stale, all tiles far from each other. */
 static void begin_list(fray_world *w) {
   layer_list *l = &w->listed;
-  layer_tiles *of = w->tiles;
+  layer_tile *of = w->tiles;
   int64_t wide = 0;
   find_rest(w);
   for (uint32_t t = 0; t < triangles_of(w); ++t) {
@@ -274,7 +273,7 @@ static void begin_list(fray_world *w) {
     wide += fx_max(fx_max(fx_sub(b->high[0], b->low[0]), fx_sub(b->high[1], b->low[1])), fx_sub(b->high[2], b->low[2]));
   }
   for (uint32_t a = 0; a < tiles_of(w); ++a) {
-    of->tile[a].gone = of->tile[a].mean = vec_make(0, 0, 0);
+    of[a].gone = of[a].mean = vec_make(0, 0, 0);
     for (uint32_t b = 0; b < a; ++b) between(w, a, b)->room = -1;
   }
   l->usual = (int32_t)(wide / triangles_of(w) / USUAL) + 1;
@@ -499,9 +498,9 @@ static int64_t room_of(const fray_world *w, uint32_t t) { return (int64_t)w->lay
 /* Those that are no more where they were listed, or will not be, are to be listed. */
 static void find_stale(fray_world *w) {
   layer_list *l = &w->listed;
-  layer_tiles *of = w->tiles;
+  layer_tile *of = w->tiles;
   l->stale = 0;
-  for (uint32_t a = 0; a < tiles_of(w); ++a) of->tile[a].mean = mean_of(w, &of->tile[a]);
+  for (uint32_t a = 0; a < tiles_of(w); ++a) of[a].mean = mean_of(w, &of[a]);
   for (uint32_t t = 0; t < triangles_of(w); ++t) {
     layer_way *way = &w->layer_ways[t];
     const int32_t goes = goes_by(w, t);
@@ -516,34 +515,34 @@ static void find_stale(fray_world *w) {
     w->layer_stale[l->stale++] = (row_id)t;
   }
   for (uint32_t t = 0; t < triangles_of(w); ++t) box_of(w, t, fx_saturate(least_apart(w) / 2 + 1 + room_of(w, t)));
-  for (uint32_t a = 0; a < tiles_of(w); ++a) box_tile(w, &of->tile[a]);
+  for (uint32_t a = 0; a < tiles_of(w); ++a) box_tile(w, &of[a]);
 }
 
 /* Tiles that are near each other and are not listed, or are no more beside each other as they were. */
 static void find_stale_tiles(fray_world *w) {
   const layer_list *l = &w->listed;
-  layer_tiles *of = w->tiles;
-  for (uint32_t a = 0; a < tiles_of(w); ++a) of->tile[a].near = (uint64_t)1 << a;
+  layer_tile *of = w->tiles;
+  for (uint32_t a = 0; a < tiles_of(w); ++a) of[a].near = (uint64_t)1 << a;
   for (uint32_t a = 0; a < tiles_of(w); ++a)
     for (uint32_t b = 0; b < a; ++b) {
       layer_beside *pair = between(w, a, b);
-      const layer_tile *one = &of->tile[a];
+      const layer_tile *one = &of[a];
       layer_tile wider;
-      const vec3 from = wrap_sub(of->tile[a].gone, of->tile[b].gone);
-      const int32_t goes = gone_by(of->tile[a].mean, of->tile[b].mean, vec_make(0, 0, 0));
+      const vec3 from = wrap_sub(of[a].gone, of[b].gone);
+      const int32_t goes = gone_by(of[a].mean, of[b].mean, vec_make(0, 0, 0));
       const int32_t room = l->tight != 0 ? goes : fx_max(fx_saturate((int64_t)FAST * goes), l->usual);
       pair->gone = pair->room < 0 ? 0 : length_most(wrap_sub(from, pair->from));
       pair->soon = pair->gone + goes;
       if (pair->soon <= pair->room) {
-        of->tile[a].near |= (uint64_t)1 << b;
-        of->tile[b].near |= (uint64_t)1 << a;
+        of[a].near |= (uint64_t)1 << b;
+        of[b].near |= (uint64_t)1 << a;
         continue;
       }
       pair->soon = LAYERS_STALE;
       pair->room = -1;
       wider = *one;
       widen_by(wider.low, wider.high, room);
-      if (!overlap(wider.low, wider.high, of->tile[b].low, of->tile[b].high)) continue;
+      if (!overlap(wider.low, wider.high, of[b].low, of[b].high)) continue;
       pair->from = from;
       pair->gone = 0;
       pair->room = room;
@@ -570,7 +569,7 @@ static void list_clump(fray_world *w, const layer_box *box, uint32_t t, uint32_t
 
 /* A triangle with those of a tile; of two that are both stale the one with the greater number does it. */
 static void list_with(fray_world *w, uint32_t t, uint32_t tile, int all) {
-  const layer_tile *of = &w->tiles->tile[tile];
+  const layer_tile *of = &w->tiles[tile];
   layer_box box = w->layer_boxes[t];
   const int64_t room = room_between(w, box.tile, tile);
   widen_by(box.low, box.high, room);
@@ -590,7 +589,7 @@ static void list_near(fray_world *w, uint32_t t, uint64_t tiles) {
 }
 
 static void list_tiles(fray_world *w, uint32_t a, uint32_t b) {
-  const layer_tile *of = &w->tiles->tile[a];
+  const layer_tile *of = &w->tiles[a];
   for (uint32_t n = of->first; n < of->end && w->listed.lacks == 0; ++n) list_with(w, w->layer_order[n], b, 1);
 }
 
@@ -615,7 +614,7 @@ static int list_stale(fray_world *w) {
   l->full = l->lacks = 0;
   for (uint32_t n = 0; n < l->stale && l->lacks == 0; ++n) {
     const uint32_t t = w->layer_stale[n];
-    list_near(w, t, w->tiles->tile[w->layer_boxes[t].tile].near);
+    list_near(w, t, w->tiles[w->layer_boxes[t].tile].near);
   }
   for (uint32_t a = 0; a < tiles_of(w); ++a)
     for (uint32_t b = 0; b < a && l->lacks == 0; ++b)
