@@ -77,6 +77,7 @@ static inline uint32_t layers_across(uint32_t triangles) {
 typedef struct {
   uint32_t kept;   /* they may be there still */
   uint32_t pairs, met, stale;
+  uint32_t wild;   /* something goes farther in this tick than anything should */
   uint32_t particles, triangles; /* that were there */
   int32_t topology[2];
   int32_t usual;   /* how far a triangle may go until it is listed again, if it is not fast */

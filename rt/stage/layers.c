@@ -112,7 +112,7 @@ void layers_run(fray_world *w) {
   if (!world_has_layers(w)) return;
   for (uint32_t pass = 0; pass < SELVES_PASSES; ++pass) {
     zones_begin(w);
-    layers_find(w);
+    if (!layers_find(w)) break;
     if (pass == 0) moved = push_pairs(w);
     join_pairs(w);
     zones_slow(w);

@@ -9,8 +9,8 @@
 /* How far all has gone since the tick before. */
 void layers_went(fray_world *w);
 /* Fills w->layers_met with all pairs that may come within the thickness of each other while every vertex ends
- * within the slack of its way; what has no room is joined. */
-void layers_find(fray_world *w);
+ * within the slack of its way; what has no room is joined. Returns 0 iff something goes farther than can be known. */
+int layers_find(fray_world *w);
 
 /* The two of a pair, first and second: where they began and are now. */
 typedef struct {

@@ -18,7 +18,8 @@ enum {
   SHORT = 24,      /* segments of the list that are put in order one by one */
   FAST = 1,        /* what goes farther in a tick than that part of its room is looked at in every one */
   USUAL = 8,       /* room: that part of how wide triangles are */
-  PATH_MOST = 1 << 28
+  PATH_MOST = 1 << 28,
+  TOO_FAR = 1 << 29 /* in a tick, or from where it was: nobody knows whom it meets */
 };
 
 /* ---- ways ---- */
@@ -27,9 +28,9 @@ static uint32_t triangles_of(const fray_world *w) { return (uint32_t)w->sheet.st
 
 static int32_t gone_by(vec3 from, vec3 to, vec3 mean) {
   const int64_t way[3] = {(int64_t)to.x - from.x - mean.x, (int64_t)to.y - from.y - mean.y, (int64_t)to.z - from.z - mean.z};
-  const int64_t most = PATH_MOST / 4;
+  const int64_t most = PATH_MOST / 2;
   for (uint32_t k = 0; k < 3; ++k)
-    if (way[k] > most || way[k] < -most) return PATH_MOST;
+    if (way[k] > most || way[k] < -most) return TOO_FAR;
   return zones_length(vec_make((int32_t)way[0], (int32_t)way[1], (int32_t)way[2]));
 }
 
@@ -52,8 +53,8 @@ static vec3 wrap_sub(vec3 a, vec3 b) {
   return vec_make(fx_wrap_sub(a.x, b.x), fx_wrap_sub(a.y, b.y), fx_wrap_sub(a.z, b.z));
 }
 static int32_t length_most(vec3 v) {
-  const uint32_t most = PATH_MOST / 4;
-  if (fx_magnitude(v.x) > most || fx_magnitude(v.y) > most || fx_magnitude(v.z) > most) return PATH_MOST;
+  const uint32_t most = PATH_MOST / 2;
+  if (fx_magnitude(v.x) > most || fx_magnitude(v.y) > most || fx_magnitude(v.z) > most) return TOO_FAR;
   return zones_length(v);
 }
 
@@ -504,6 +505,7 @@ static void find_stale(fray_world *w) {
   for (uint32_t t = 0; t < triangles_of(w); ++t) {
     layer_way *way = &w->layer_ways[t];
     const int32_t goes = goes_by(w, t);
+    l->wild |= (uint32_t)(goes == TOO_FAR);
     way->gone = way->room < 0 ? 0 : gone_of(w, t);
     w->layer_soon[t] = way->gone + goes;
     if (l->tight == 0 && w->layer_boxes[t].hot == 0 && w->layer_soon[t] <= way->room) continue;
@@ -520,7 +522,7 @@ static void find_stale(fray_world *w) {
 
 /* Tiles that are near each other and are not listed, or are no more beside each other as they were. */
 static void find_stale_tiles(fray_world *w) {
-  const layer_list *l = &w->listed;
+  layer_list *l = &w->listed;
   layer_tile *of = w->tiles;
   for (uint32_t a = 0; a < tiles_of(w); ++a) of[a].near = (uint64_t)1 << a;
   for (uint32_t a = 0; a < tiles_of(w); ++a)
@@ -530,6 +532,7 @@ static void find_stale_tiles(fray_world *w) {
       layer_tile wider;
       const vec3 from = wrap_sub(of[a].gone, of[b].gone);
       const int32_t goes = gone_by(of[a].mean, of[b].mean, vec_make(0, 0, 0));
+      l->wild |= (uint32_t)(goes == TOO_FAR);
       const int32_t room = l->tight != 0 ? goes : fx_max(fx_saturate((int64_t)FAST * goes), l->usual);
       pair->gone = pair->room < 0 ? 0 : length_most(wrap_sub(from, pair->from));
       pair->soon = pair->gone + goes;
@@ -715,17 +718,22 @@ static void order_met(fray_world *w) {
   }
 }
 
-void layers_find(fray_world *w) {
+int layers_find(fray_world *w) {
   layer_list *l = &w->listed;
-  l->tight = l->met = 0;
+  l->tight = l->met = l->wild = 0;
   if (l->kept == 0)
     begin_list(w);
   else
     follow_sheet(w);
   find_stale(w);
   find_stale_tiles(w);
+  if (l->wild != 0) {
+    l->kept = 0;
+    return 0;
+  }
   look_at_list(w);
   if (!list_stale(w)) list_tight(w);
   order_met(w);
   w->work.self_pairs += l->met;
+  return 1;
 }

@@ -70,7 +70,8 @@ static void weigh_zones(fray_world *w) {
     const vec3 moved = moved_of(w, p);
     const int32_t mass = weight_of(w, &weighs, p);
     ++z->members;
-    if (is_fixed(w, p) && z->held == SELF_NOBODY) z->held = p;
+    if (is_fixed(w, p) && (z->held == SELF_NOBODY || (p >= (uint32_t)w->params->held && z->held < (uint32_t)w->params->held)))
+      z->held = p; /* beside a body rather than in one's hands: who is held is where he is anyway */
     z->mass += mass;
     z->sum[0] += (int64_t)moved.x * mass;
     z->sum[1] += (int64_t)moved.y * mass;

@@ -369,11 +369,11 @@ static void headers_that_lie(void) {
   static const struct {
     uint32_t word, value;
     fray_status status;
-  } lies[] = {{IMAGE_CAPACITY_WORD + POOL_LAYERS, 0, FRAY_BAD_VERSION},
+  } lies[] = {{IMAGE_CAPACITY_WORD + POOL_LAYERS, 0, FRAY_BAD_SECTION},
               {IMAGE_CAPACITY_WORD + POOL_LAYERS, LIMIT_LAYERS + 1, FRAY_BAD_FIELD},
               {IMAGE_CAPACITY_WORD + POOL_PAIRS, 5, FRAY_BAD_SECTION},
               {IMAGE_CAPACITY_WORD + POOL_TRIANGLES, 0, FRAY_BAD_SECTION},
-              {IMAGE_VERSION_WORD, FRAY_IMAGE_MAJOR << 16 | 6u, FRAY_BAD_SECTION}};
+              {IMAGE_VERSION_WORD, FRAY_IMAGE_MAJOR << 16 | 6u, FRAY_BAD_VERSION}};
   for (uint32_t n = 0; n < sizeof lies / sizeof lies[0]; ++n) {
     fixture f;
     fray_world *w;
