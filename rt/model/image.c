@@ -323,9 +323,6 @@ static fray_status read_header(const uint8_t *image, size_t bytes, uint32_t capa
                         "2.7 for triangles that meet each other, 2.6 for meshes that cut, 2.5 for rigid meshes, 2.4 for self-collision, 2.3 for triangle sheets, "
                         "2.2 for yarns with a stiffness, "
                         "2.1 for yarns, 2.0 for others");
-  for (uint32_t n = IMAGE_CAPACITY_WORD + POOLS_IN_HEADER; n < IMAGE_HEADER_WORDS; ++n)
-    if (bytes_load32(image + 4u * n) != 0)
-      return image_refuse(error, FRAY_BAD_FIELD, 0, n, "a reserved word of zero");
   const uint32_t features = bytes_load32(image + 4 * IMAGE_FEATURES_WORD);
   if (features != features_of(capacity) || (sizeof(row_id) == 2u && !short_ids(capacity)))
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_FEATURES_WORD,

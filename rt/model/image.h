@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The image: a snapshot of a world, little-endian on every machine.
  *
- *   header     24 words: magic, version, bytes, CRC, features, sections, capacities, zeros
+ *   header     24 words: magic, version, bytes, CRC, features, sections, capacities
  *   directory  4 words a section: id, element bytes, elements, offset from the start
  *   sections   in ascending id, each at a multiple of 16, gaps are zero
  *
@@ -33,7 +33,7 @@ enum {
 };
 /* Features: ids are 16 bits wide (no row, particle or triangle number needs more). */
 enum { IMAGE_SHORT_IDS = 1 };
-_Static_assert(IMAGE_CAPACITY_WORD + POOLS_IN_HEADER <= IMAGE_HEADER_WORDS, "capacities fit the header");
+_Static_assert(IMAGE_CAPACITY_WORD + POOLS_IN_HEADER == IMAGE_HEADER_WORDS, "capacities fit the header");
 
 typedef enum { ROLE_CONSTANT, ROLE_STATE, ROLE_TICK } image_role;
 typedef enum { KIND_WORD, KIND_BYTE, KIND_ID, KIND_STRUCT } image_kind;

@@ -386,7 +386,18 @@ static void headers_that_lie(void) {
   }
 }
 
-int main(void) {
+/* A sheet dropped in folds on itself and a box, 60 s. */
+static void a_minute(void) {
+  fixture f;
+  open_case(&f, boxed, "limits { contacts 2000 }", "self_collision on");
+  const result r = run("minute", &f, 60000, 50);
+  CHECK_EQ_INT(r.passed, 0);
+  CHECK_EQ_INT(r.faults & FRAY_FAULT_SELVES, 0);
+  fixture_close(&f);
+}
+
+int main(int argc, char **argv) {
+  if (argc > 1 && strcmp(argv[1], "all") == 0) TEST(a_minute);
   TEST(nothing_passes);
   TEST(pools_of_any_size);
   TEST(the_list_is_no_state);
