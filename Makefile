@@ -160,7 +160,7 @@ figures: $(FRAY) ## pictures of the scenes in tests/figures/list.txt; FIGURES="f
 	@FRAY=$(FRAY) BUILD=$(BUILD) SIZE="$(SIZE)" sh tests/figures/figures.sh $(FIGURES)
 
 .PHONY: weaves pools patches thesis
-THESIS := $(addprefix $(BUILD)/tests/oracle/,test_ceiling test_garments test_press)
+THESIS := $(addprefix $(BUILD)/tests/oracle/,test_ceiling test_garments test_press test_layers)
 thesis: $(THESIS) ## scenes of Karaoz 2015 at full length, 1,000 bodies thrown at cloth (minutes)
 	@for program in $(THESIS); do ./$$program all || exit 1; done
 

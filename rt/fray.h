@@ -24,7 +24,7 @@ extern "C" {
 
 #define FRAY_VERSION "0.3.0"
 #define FRAY_IMAGE_MAJOR 2u
-#define FRAY_IMAGE_MINOR 6u
+#define FRAY_IMAGE_MINOR 7u
 
 enum { FRAY_HANDS = 2 };
 
@@ -113,8 +113,8 @@ enum {
   FRAY_FAULT_HALTED = 1u << 5,        /* HALT: the bus was lost, or an operator said so */
   FRAY_FAULT_SPARES_FULL = 1u << 6,   /* a crossing stays whole: raise `limits spare_particles` */
   FRAY_FAULT_SPLITS_WAIT = 1u << 7,   /* more crossings split or come apart than `splits_per_tick` */
-  FRAY_FAULT_SELVES = 1u << 8,        /* yarns moved as one, for which the work is bounded too low: raise
-                                         `limits self_pairs` */
+  FRAY_FAULT_SELVES = 1u << 8,        /* yarns or triangles moved as one, for which the work is bounded too low:
+                                         raise `limits self_pairs` */
   FRAY_FAULT_JAMMED = 1u << 9,        /* what is between bodies has no place, or nothing kept it apart */
   FRAY_FAULT_CROWDED = 1u << 10,       /* something stood still: more of a mesh near its way than it is
                                           held against */
@@ -149,8 +149,9 @@ typedef struct {
   uint32_t mesh_boxes;  /* boxes of meshes that a way was held against */
   uint32_t mesh_sweeps; /* of particles and a mesh's triangle, triangles and its points, sides and its edges */
   uint32_t mesh_stops;  /* particles put back to where the substep began */
-  uint32_t self_visits; /* parts of a sheet held against each other for yarns that may meet */
-  uint32_t self_pairs;  /* of their segments, found */
+  uint32_t self_visits; /* parts of a sheet held against each other for what may meet. Of triangles a list is
+                           kept from tick to tick, so it, and sweeps, differ behind fray_open() */
+  uint32_t self_pairs;  /* of segments of yarns, found; of vertices and triangles, and of sides, that may meet */
   uint32_t self_sweeps; /* of these, each time they are held against each other */
   uint32_t self_stops;  /* particles that moved as one with what they met, each time */
   uint32_t slashes;     /* of the cuts, those that blades made in a triangle sheet */
@@ -319,8 +320,9 @@ typedef struct {
   uint32_t triangles, triangles_max; /* in use; 0: a woven sheet */
   uint32_t inner_steps;            /* of a triangle sheet's stress in a substep */
   int32_t stiffness_q30;           /* of it: share of the measured stiffness, 1 << 30 is all */
-  uint32_t pairs_max;              /* segments of yarns that may meet in a tick; 0: no self-collision */
-  int32_t self_thickness;          /* Q24 lu: yarns that meet are kept so far apart */
+  uint32_t pairs_max;              /* segments of yarns that may meet in a tick, or parts of triangles near each
+                                      other; 0: no self-collision */
+  int32_t self_thickness;          /* Q24 lu: what meets is kept so far apart */
   uint32_t hands;                  /* bit h: a body follows hand h */
   uint8_t consumed[FRAY_HANDS];    /* counter of the last pose consumed; 0 before the first */
 } fray_facts;

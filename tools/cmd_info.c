@@ -30,6 +30,9 @@ static void print_triangles(const fray_world *w, const fray_facts *f) {
            "go by the scaled stress\n", f->stiffness_q30 / 1073741824.0);
   else
     printf("stiffness  as measured\n");
+  if (f->pairs_max != 0)
+    printf("layers     triangles keep %.4f cm apart, at most %u pairs of their parts near each other\n",
+           centimetres(f, f->self_thickness), f->pairs_max);
 }
 
 static void print_sheet(const fray_world *w, const fray_facts *f) {

@@ -371,3 +371,50 @@ int sweep_point_triangle(const sweep_point *point, const sweep_point triangle[3]
   m.shape = FACET_TRIANGLE;
   return first_of(&m, contact);
 }
+
+/* By the corner that is least far along a direction. */
+static int64_t least_along(const facet *f, facet_shape shape, vec3 away) {
+  const int64_t corner = facet_dot_wide(f->corner, away);
+  const int64_t a = facet_dot_wide(f->a, away);
+  const int64_t b = facet_dot_wide(f->b, away);
+  const int64_t side = a < b ? a : b;
+  const int64_t least = side < 0 ? side : 0;
+  return fx_add64(corner, shape == FACET_PARALLELOGRAM && a + b < least ? a + b : least);
+}
+
+/* least / |away|, whose length is 2^-10 of `length`. */
+static int32_t gap_of(int64_t least, uint32_t length) {
+  if (least <= 0) return 0;
+  const uint32_t gap = fx_divide_wide((uint64_t)least << 10, length);
+  return gap > INT32_MAX ? INT32_MAX : (int32_t)gap;
+}
+
+static sweep_gap gaps_of(const facet *begin, const facet *end, facet_shape shape) {
+  sweep_gap gap = {0, 0};
+  const facet coarse = facet_coarse(begin, facet_excess(facet_extent(begin), FACET_BITS));
+  const vec3 away = facet_narrow(facet_look(&coarse, shape).away, AWAY_BITS);
+  const uint64_t squared = vec_squared(away);
+  if (squared == 0) return gap;
+  /* as in reach_along() */
+  const uint32_t root = fx_root_length(fx_rsqrt(squared << 20, FX_ROOT_COARSE));
+  const uint32_t length = root + (root >> 18) + 2u;
+  gap.begin = gap_of(least_along(begin, shape, away), length);
+  gap.end = gap_of(least_along(end, shape, away), length);
+  return gap;
+}
+
+sweep_gap sweep_gap_edges(const sweep_point first[2], const sweep_point second[2]) {
+  const facet begin = {vec_sub(second[0].begin, first[0].begin), vec_sub(first[0].begin, first[1].begin),
+                       vec_sub(second[1].begin, second[0].begin)};
+  const facet end = {vec_sub(second[0].end, first[0].end), vec_sub(first[0].end, first[1].end),
+                     vec_sub(second[1].end, second[0].end)};
+  return gaps_of(&begin, &end, FACET_PARALLELOGRAM);
+}
+
+sweep_gap sweep_gap_point_triangle(const sweep_point *point, const sweep_point triangle[3]) {
+  const facet begin = {vec_sub(triangle[0].begin, point->begin), vec_sub(triangle[1].begin, triangle[0].begin),
+                       vec_sub(triangle[2].begin, triangle[0].begin)};
+  const facet end = {vec_sub(triangle[0].end, point->end), vec_sub(triangle[1].end, triangle[0].end),
+                     vec_sub(triangle[2].end, triangle[0].end)};
+  return gaps_of(&begin, &end, FACET_TRIANGLE);
+}

@@ -38,4 +38,13 @@ int sweep_edges(const sweep_point first[2], const sweep_point second[2], int32_t
 int sweep_point_triangle(const sweep_point *point, const sweep_point triangle[3], int32_t thickness,
                          sweep_contact *contact);
 
+/* How far apart they are, at least, along the way between the two where they are nearest at t = 0: then, which is
+ * nearly all of their distance, and at t = 1. In between it is no less than the lesser one. Q24 lu, 0 where it is
+ * not known. Cost: a sixth of a contact. */
+typedef struct {
+  int32_t begin, end;
+} sweep_gap;
+sweep_gap sweep_gap_edges(const sweep_point first[2], const sweep_point second[2]);
+sweep_gap sweep_gap_point_triangle(const sweep_point *point, const sweep_point triangle[3]);
+
 #endif

@@ -14,6 +14,7 @@
   {#field, id, ROLE_CONSTANT, KIND_WORD, pool, POOL_STRETCH, words, AT(field)}
 #define SHEET(id, role, kind, pool, words, field) \
   {#field, id, role, kind, pool, POOL_TRIANGLES, words, AT(field)}
+#define LAYERS(kind, pool, bytes, field) {#field, 0, ROLE_TICK, kind, pool, POOL_LAYERS, bytes, AT(field)}
 #define SELVES(kind, pool, bytes, field) {#field, 0, ROLE_TICK, kind, pool, POOL_PAIRS, bytes, AT(field)}
 #define MESH(id, role, kind, pool, words, field) \
   {"sheet." #field, id, role, kind, pool, POOL_TRIANGLES, words, AT(sheet) + offsetof(sheet_mesh, field)}
@@ -94,6 +95,9 @@ const image_array image_arrays[] = {
     {"parted", 0, ROLE_TICK, KIND_BYTE, POOL_PARTICLES, POOL_BLADES, 1, AT(parted)},
 #endif
 #endif
+#if FRAY_LAYERS
+    {"layers", IMAGE_LAYERS, ROLE_CONSTANT, KIND_WORD, POOL_PARAMS, POOL_LAYERS, SELVES_PARAM_WORDS, AT(selves)},
+#endif
     TICK(POOL_PARTICLES, int32_t, qx),
     TICK(POOL_PARTICLES, int32_t, qy),
     TICK(POOL_PARTICLES, int32_t, qz),
@@ -122,6 +126,24 @@ const image_array image_arrays[] = {
     SELVES(KIND_ID, POOL_PARTICLES, 1, zone_of),
     SELVES(KIND_BYTE, POOL_PARTICLES, 1, stirred),
 #endif
+#if FRAY_LAYERS
+    LAYERS(KIND_STRUCT, POOL_PARTICLES, sizeof(self_way), ways),
+    LAYERS(KIND_STRUCT, POOL_LAYERS, sizeof(layer_pair), layers),
+    LAYERS(KIND_STRUCT, POOL_LAYERS, 2 * sizeof(uint32_t), layers_met),
+    LAYERS(KIND_STRUCT, POOL_TRIANGLES, sizeof(layer_way), layer_ways),
+    LAYERS(KIND_STRUCT, POOL_TRIANGLES, sizeof(int32_t), layer_soon),
+    LAYERS(KIND_STRUCT, POOL_TRIANGLES, sizeof(layer_box), layer_boxes),
+    LAYERS(KIND_STRUCT, POOL_TRIANGLES, sizeof(uint32_t), layer_counts),
+    LAYERS(KIND_ID, POOL_TRIANGLES, 1, layer_order),
+    LAYERS(KIND_ID, POOL_TRIANGLES, 1, layer_stale),
+    LAYERS(KIND_STRUCT, POOL_TRIANGLES, sizeof(layer_clump), layer_clumps),
+    LAYERS(KIND_STRUCT, POOL_TILES, sizeof(layer_tile), tiles),
+    LAYERS(KIND_STRUCT, POOL_BESIDE, sizeof(layer_beside), tiles_beside),
+    LAYERS(KIND_STRUCT, POOL_PARTICLES, sizeof(self_zone), zones),
+    LAYERS(KIND_ID, POOL_PARTICLES, 1, zone_of),
+    LAYERS(KIND_BYTE, POOL_PARTICLES, 1, stirred),
+    LAYERS(KIND_BYTE, POOL_PARTICLES, 1, stands),
+#endif
 };
 const uint32_t image_array_count = sizeof image_arrays / sizeof image_arrays[0];
 
@@ -129,7 +151,7 @@ static const uint32_t capacity_max[POOLS] = {
     1,          1,             LIMIT_PARTICLES, LIMIT_PARTICLES, LIMIT_PARTICLES, LIMIT_ROWS,
     LIMIT_BATCHES, LIMIT_CLASSES, LIMIT_CLASSES, LIMIT_BODIES,   LIMIT_KEYS,      LIMIT_CONTACTS,
     LIMIT_CUTS, LIMIT_SPLITS,  LIMIT_CLASSES,   FRAY_TRIANGLES ? LIMIT_TRIANGLES : 0,
-    LIMIT_PAIRS, LIMIT_MESH_WORDS, 1};
+    LIMIT_PAIRS, LIMIT_LAYERS, LIMIT_MESH_WORDS, 1};
 
 fray_status image_refuse(fray_error *error, fray_status status, uint32_t section, uint32_t index,
                          const char *what) {
@@ -165,7 +187,8 @@ static int is_saved(const image_array *a, const uint32_t capacity[POOLS]) {
 }
 /* The least version that has all that is in the image. */
 static uint32_t version_of(const uint32_t capacity[POOLS]) {
-  const uint32_t minor = capacity[POOL_BLADES] != 0      ? IMAGE_MINOR_BLADES
+  const uint32_t minor = capacity[POOL_LAYERS] != 0      ? IMAGE_MINOR_LAYERS
+                         : capacity[POOL_BLADES] != 0     ? IMAGE_MINOR_BLADES
                          : capacity[POOL_MESH_WORDS] != 0 ? IMAGE_MINOR_MESHES
                          : capacity[POOL_PAIRS] != 0     ? IMAGE_MINOR_SELVES
                          : capacity[POOL_TRIANGLES] != 0 ? IMAGE_MINOR_TRIANGLES
@@ -217,7 +240,18 @@ static fray_world *plan_carve(const uint32_t capacity[POOLS], int readable, void
   return w;
 }
 
-size_t image_blank(const uint32_t capacity[POOLS], void *memory, fray_world **world) {
+/* What follows from the other capacities. */
+static void derive_pools(uint32_t capacity[POOLS]) {
+  const uint32_t across = layers_across(capacity[POOL_TRIANGLES]);
+  const uint32_t tiles = capacity[POOL_LAYERS] != 0 ? across * across : 0;
+  capacity[POOL_TILES] = tiles;
+  capacity[POOL_BESIDE] = tiles * (tiles - (tiles != 0)) / 2u;
+}
+
+size_t image_blank(const uint32_t said[POOLS], void *memory, fray_world **world) {
+  uint32_t capacity[POOLS];
+  for (uint32_t p = 0; p < POOLS; ++p) capacity[p] = said[p];
+  derive_pools(capacity);
   const size_t bytes = plan_bytes(capacity, 0);
   if (memory != NULL) *world = plan_carve(capacity, 0, memory, bytes);
   return bytes;
@@ -239,12 +273,12 @@ static fray_status read_directory(const uint8_t *image, size_t bytes, uint32_t c
   if (!FRAY_MESHES || (bytes_load32(image + 4 * IMAGE_VERSION_WORD) & 0xFFFFu) < IMAGE_MINOR_MESHES)
     return FRAY_OK;
   const uint32_t sections = bytes_load32(image + 4 * IMAGE_SECTIONS_WORD);
-  if (sections < 1 || sections > IMAGE_BLADES)
+  if (sections < 1 || sections > IMAGE_LAYERS)
     return image_refuse(error, FRAY_BAD_SECTION, 0, IMAGE_SECTIONS_WORD, "every section once");
   if (bytes < 4u * (IMAGE_HEADER_WORDS + IMAGE_DIRECTORY_WORDS * sections))
     return image_refuse(error, FRAY_TRUNCATED, 0, (uint32_t)bytes, "a header and its directory");
   const uint32_t words = elements_said(image, sections, IMAGE_MESHES);
-  if (words == 0 || words > capacity_max[POOL_MESH_WORDS])
+  if ((words == 0 && capacity[POOL_LAYERS] == 0) || words > capacity_max[POOL_MESH_WORDS])
     return image_refuse(error, FRAY_BAD_SECTION, words == 0 ? 0u : (uint32_t)IMAGE_MESHES, sections - 1u,
                         "the section of meshes");
   capacity[POOL_MESH_WORDS] = words;
@@ -262,7 +296,7 @@ static fray_status read_header(const uint8_t *image, size_t bytes, uint32_t capa
   if (bytes_load32(image) != IMAGE_MAGIC)
     return image_refuse(error, FRAY_BAD_MAGIC, 0, 0, "the bytes FRAY");
   if (version >> 16 != FRAY_IMAGE_MAJOR || (version & 0xFFFFu) > FRAY_IMAGE_MINOR)
-    return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD, "image version 2.0 to 2.6");
+    return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD, "image version 2.0 to 2.7");
   if (!FRAY_TRIANGLES && (version & 0xFFFFu) == IMAGE_MINOR_TRIANGLES)
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD,
                         "a build with triangle sheets (FRAY_TRIANGLES)");
@@ -272,6 +306,9 @@ static fray_status read_header(const uint8_t *image, size_t bytes, uint32_t capa
   if (!FRAY_SELVES && bytes_load32(image + 4u * (IMAGE_CAPACITY_WORD + POOL_PAIRS)) != 0)
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_CAPACITY_WORD + POOL_PAIRS,
                         "a build with self-collision (FRAY_SELVES)");
+  if (!FRAY_LAYERS && bytes_load32(image + 4u * (IMAGE_CAPACITY_WORD + POOL_LAYERS)) != 0)
+    return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_CAPACITY_WORD + POOL_LAYERS,
+                        "a build with triangles that meet each other (FRAY_LAYERS)");
   for (uint32_t p = 0; p < POOLS_IN_HEADER; ++p) {
     capacity[p] = bytes_load32(image + 4u * (IMAGE_CAPACITY_WORD + p));
     if (capacity[p] > capacity_max[p] || (p <= POOL_STATE && capacity[p] != 1u))
@@ -280,14 +317,12 @@ static fray_status read_header(const uint8_t *image, size_t bytes, uint32_t capa
   }
   const fray_status status = read_directory(image, bytes, capacity, error);
   if (status != FRAY_OK) return status;
+  derive_pools(capacity);
   if (version != version_of(capacity))
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD,
-                        "2.6 for meshes that cut, 2.5 for rigid meshes, 2.4 for self-collision, 2.3 for triangle sheets, "
+                        "2.7 for triangles that meet each other, 2.6 for meshes that cut, 2.5 for rigid meshes, 2.4 for self-collision, 2.3 for triangle sheets, "
                         "2.2 for yarns with a stiffness, "
                         "2.1 for yarns, 2.0 for others");
-  for (uint32_t n = IMAGE_CAPACITY_WORD + POOLS_IN_HEADER; n < IMAGE_HEADER_WORDS; ++n)
-    if (bytes_load32(image + 4u * n) != 0)
-      return image_refuse(error, FRAY_BAD_FIELD, 0, n, "a reserved word of zero");
   const uint32_t features = bytes_load32(image + 4 * IMAGE_FEATURES_WORD);
   if (features != features_of(capacity) || (sizeof(row_id) == 2u && !short_ids(capacity)))
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_FEATURES_WORD,

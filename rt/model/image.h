@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The image: a snapshot of a world, little-endian on every machine.
  *
- *   header     24 words: magic, version, bytes, CRC, features, sections, capacities, zeros
+ *   header     24 words: magic, version, bytes, CRC, features, sections, capacities
  *   directory  4 words a section: id, element bytes, elements, offset from the start
  *   sections   in ascending id, each at a multiple of 16, gaps are zero
  *
  * The CRC-32 covers everything behind its own word. It finds damage, not intent: an image from
  * an untrusted hand is safe to load (every field is checked) but not thereby authentic.
  * One major version is read; another one is refused, and converted by tools. What only yarns, yarns
- * with a stiffness, triangles, self-collision, rigid meshes or meshes that cut need stands in sections of its
- * own: an image without any of them is one of version 2.0, then 2.1 to 2.6. How long the section of meshes
+ * with a stiffness, triangles, self-collision, rigid meshes, meshes that cut or triangles that meet
+ * each other need stands in sections of its own: an image without any of them is one of version 2.0, then 2.1 to 2.7. How long the section of meshes
  * is, and whether there is one of blades, only the directory says. */
 #ifndef FRAY_MODEL_IMAGE_H
 #define FRAY_MODEL_IMAGE_H
@@ -33,7 +33,7 @@ enum {
 };
 /* Features: ids are 16 bits wide (no row, particle or triangle number needs more). */
 enum { IMAGE_SHORT_IDS = 1 };
-_Static_assert(IMAGE_CAPACITY_WORD + POOLS_IN_HEADER <= IMAGE_HEADER_WORDS, "capacities fit the header");
+_Static_assert(IMAGE_CAPACITY_WORD + POOLS_IN_HEADER == IMAGE_HEADER_WORDS, "capacities fit the header");
 
 typedef enum { ROLE_CONSTANT, ROLE_STATE, ROLE_TICK } image_role;
 typedef enum { KIND_WORD, KIND_BYTE, KIND_ID, KIND_STRUCT } image_kind;
@@ -58,8 +58,8 @@ static inline void *image_pointer(const fray_world *w, const image_array *a) {
 }
 
 /* What the version says beside yarns; the sections of these. */
-enum { IMAGE_MINOR_TRIANGLES = 3, IMAGE_MINOR_SELVES = 4, IMAGE_MINOR_MESHES = 5, IMAGE_MINOR_BLADES = 6 };
-enum { IMAGE_SELVES = 49, IMAGE_MESHES = 50, IMAGE_BLADES = 51 };
+enum { IMAGE_MINOR_TRIANGLES = 3, IMAGE_MINOR_SELVES = 4, IMAGE_MINOR_MESHES = 5, IMAGE_MINOR_BLADES = 6, IMAGE_MINOR_LAYERS = 7 };
+enum { IMAGE_SELVES = 49, IMAGE_MESHES = 50, IMAGE_BLADES = 51, IMAGE_LAYERS = 52 };
 
 /* A world with capacities and arrays in the caller's zeroed memory, for the builder: nothing is
  * taken in place. `memory` NULL: only counts. Returns the bytes needed. */

@@ -59,8 +59,10 @@ typedef struct {
 
 /* Particles that move as one. */
 typedef struct {
-  int64_t sum[3]; /* of mass times way, half crossings times Q24 lu */
-  int32_t mass;   /* half crossings */
+  int64_t sum[3]; /* of mass times way, mass times Q24 lu */
+  int64_t whole;  /* of vertices: their masses */
+  int32_t mean[3]; /* speed of them, Q28 lu per substep */
+  int32_t mass;   /* half crossings; of vertices 64ths of a particle */
   uint32_t members, held; /* held: a particle of a body among them, or SELF_NOBODY */
 } self_zone;
 #define SELF_NOBODY UINT32_MAX

@@ -46,7 +46,7 @@ enum {
   IN_ROW_I, IN_ROW_J, IN_CLASS, IN_X, IN_Y, IN_Z, IN_VX, IN_RX = 18, IN_GRIP_BODY = 21, IN_GRIP_X,
   IN_BODIES = 25, IN_BODY_STATES, IN_KEYS, IN_YARNS, IN_YARN_STATE, IN_COUPLE, IN_WARP_AT, IN_PLACE,
   IN_STRETCH, IN_PULLS, IN_LIMITS,
-  IN_SELVES = 49, IN_MESHES = 50, IN_BLADES
+  IN_SELVES = 49, IN_MESHES = 50, IN_BLADES, IN_LAYERS
 };
 
 static int bad(fray_error *error, uint32_t section, uint32_t index, const char *what) {
@@ -248,9 +248,15 @@ static int selves_good(const fray_world *w, fray_error *error) {
   return !world_has_sheet(w) || bad(error, IN_SELVES, 0, "a woven sheet");
 }
 
+static int layers_good(const fray_world *w, fray_error *error) {
+  if (!words_in_range(w->selves, selves_params_ranges, SELVES_PARAM_WORDS, IN_LAYERS, error)) return 0;
+  return world_has_sheet(w) || bad(error, IN_LAYERS, 0, "a sheet of triangles");
+}
+
 /* And says which meshes are sharp. */
 static int blades_good(fray_world *w, fray_error *error) {
-  if (!world_has_sheet(w)) return bad(error, IN_BLADES, 0, "blades where there are triangles only");
+  if (!world_has_sheet(w) || !world_has_meshes(w))
+    return bad(error, IN_BLADES, 0, "blades where there are triangles and meshes only");
   if (w->blades->cuts_max < 1 || w->blades->cuts_max > LIMIT_CUTS)
     return bad(error, IN_BLADES, 0, "1 to 64 cuts in a tick");
   for (uint32_t n = 0; n < BLADE_CLOTHS; ++n)
@@ -487,7 +493,8 @@ fray_status image_validate(fray_world *w, fray_error *error) {
       (!world_has_sheet(w) || sheet_valid(w, &found)) &&
       link_classes_good(w, &found) && (!world_has_stretch(w) || stretch_good(w, &found)) &&
       spring_classes_good(w, &found) && bodies_good(w, &found) && meshes_good(w, &found) &&
-      (!world_has_selves(w) || selves_good(w, &found)) && (!world_has_blades(w) || blades_good(w, &found)) &&
+      (!world_has_selves(w) || selves_good(w, &found)) &&
+      (!world_has_layers(w) || layers_good(w, &found)) && (!world_has_blades(w) || blades_good(w, &found)) &&
       particles_good(w, &found) && crossings_good(w, &found) &&
       (!world_has_yarns(w) || couples_good(w, &found)) && ids_good(w, &found) &&
       batches_good(w, &found) && homes_good(w, &found) &&

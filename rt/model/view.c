@@ -51,6 +51,24 @@ static void selves_limits(const fray_world *w, fray_work *most) {
   most->self_stops = most_of(w->capacity[POOL_PARTICLES], SELVES_PASSES * (SELVES_MERGES + 2u) + 1u);
 }
 
+/* The list may be made twice in a pass; bodies are asked behind each. */
+static void layers_limits(const fray_world *w, fray_work *most) {
+  const uint64_t triangles = w->capacity[POOL_TRIANGLES];
+  const uint64_t pairs = (uint64_t)w->capacity[POOL_LAYERS] * SELVES_PASSES;
+  const uint64_t contacts = w->capacity[POOL_CONTACTS];
+  const uint64_t looks = (uint64_t)LAYERS_LOOKS * mesh_solids(w);
+  most->self_visits = most_of(triangles * (triangles + 1u) / 2u, 2 * SELVES_PASSES);
+  most->self_pairs = most_of(pairs, 1);
+  most->self_sweeps = most_sum(most_of(pairs, SELVES_MERGES), most_of(w->capacity[POOL_LAYERS], SELVES_ROUNDS));
+  most->self_stops = most_of(w->capacity[POOL_PARTICLES], SELVES_PASSES * (SELVES_MERGES + 2u) + 2u);
+  if (!world_has_meshes(w)) return;
+  most->mesh_tests = most_sum(most->mesh_tests, most_of(w->capacity[POOL_PARTICLES], looks));
+  most->mesh_boxes = most_sum(most->mesh_boxes, most_of(contacts, MESH_VISITS * looks * (1u + MESH_CHECKS)));
+  most->mesh_sweeps =
+      most_sum(most->mesh_sweeps, most_of(contacts, looks * (MESH_NEAR + MESH_CLOSE_SWEEPS * MESH_CHECKS)));
+  most->mesh_stops = most_sum(most->mesh_stops, most_of(w->capacity[POOL_PARTICLES], 2u * looks));
+}
+
 /* All triangles once by each mesh, as many as there are contacts; particles twice; what a cut adds is looked
  * at again. */
 static void blade_limits(const fray_world *w, fray_work *most) {
@@ -103,6 +121,7 @@ fray_work fray_limits(const fray_world *w) {
   }
   if (world_has_meshes(w)) mesh_limits(w, &most);
   if (world_has_selves(w)) selves_limits(w, &most);
+  if (world_has_layers(w)) layers_limits(w, &most);
   if (world_has_blades(w)) blade_limits(w, &most);
   most.splits = p->tearing != 0 ? w->capacity[POOL_SPLITS] : 0;
   return most;
@@ -152,8 +171,8 @@ fray_facts fray_describe(const fray_world *w) {
     f.inner_steps = (uint32_t)w->cloths->inner;
     f.stiffness_q30 = w->fabrics[0].scale;
   }
-  if (world_has_selves(w)) {
-    f.pairs_max = w->capacity[POOL_PAIRS];
+  if (world_has_selves(w) || world_has_layers(w)) {
+    f.pairs_max = w->capacity[POOL_PAIRS] + w->capacity[POOL_LAYERS];
     f.self_thickness = w->selves->thickness;
   }
   f.hands = (uint32_t)p->hands;

@@ -13,6 +13,7 @@
 #include "rt/model/contacts.h"
 #include "rt/model/crease.h"
 #include "rt/model/inner.h"
+#include "rt/model/layers.h"
 #include "rt/model/params.h"
 #include "rt/model/rows.h"
 #include "rt/model/selves.h"
@@ -39,9 +40,12 @@ typedef enum {
   POOL_STRETCH, /* as many as classes of links iff its yarns have a stiffness, else 0 */
   POOL_TRIANGLES, /* not 0 iff the world is a triangle sheet and has no crossings */
   POOL_PAIRS, /* segments that may meet in a tick; not 0 iff yarns do not pass through each other */
+  POOL_LAYERS, /* parts of triangles near each other; not 0 iff triangles do not pass through each other */
   POOLS_IN_HEADER,
   POOL_MESH_WORDS = POOLS_IN_HEADER, /* not 0 iff bodies are meshes; the directory says how many */
   POOL_BLADES, /* 1 iff meshes cut its triangles, else 0; the directory says it */
+  POOL_TILES, /* of triangles that meet each other, and pairs of tiles: by how many triangles there are room for */
+  POOL_BESIDE,
   POOLS
 } pool_name;
 
@@ -137,6 +141,20 @@ struct fray_world {
   uint8_t *stirred;          /* particle -> the round in which it was put somewhere last */
   uint32_t pair_count, began, joined; /* began: particles at the tick's begin */
   uint8_t round;
+  /* of triangles that meet each other: kept as long as nothing has gone far, never state */
+  layer_pair *layers;
+  uint32_t *layers_met;      /* of them, those that may meet in this tick; behind them, place to order them */
+  layer_way *layer_ways;     /* of a triangle */
+  int32_t *layer_soon;       /* triangle -> how far it has gone, and goes in this tick; LAYERS_STALE */
+  layer_box *layer_boxes;    /* of a triangle */
+  row_id *layer_order;       /* triangles by tiles */
+  layer_clump *layer_clumps; /* boxes around them */
+  row_id *layer_stale;       /* those that are to be listed */
+  uint32_t *layer_counts;    /* of a triangle: pairs that it has */
+  layer_tile *tiles;
+  layer_beside *tiles_beside;
+  uint8_t *stands;           /* particle -> 1: put back beside a body in this tick */
+  layer_list listed;
   uint32_t sharp;            /* meshes that cut, a bit each; as long as the world */
   uint8_t *parted;           /* particle -> 1: all of its triangles are parted; see stage/slash.c */
   cut *cuts;
@@ -197,6 +215,14 @@ static inline int world_has_meshes(const fray_world *w) {
 #endif
 static inline int world_has_selves(const fray_world *w) {
   return FRAY_SELVES && w->capacity[POOL_PAIRS] != 0;
+}
+
+/* 0: one that opens no triangle sheets that do not pass through themselves. */
+#ifndef FRAY_LAYERS
+#define FRAY_LAYERS (FRAY_TRIANGLES && FRAY_MESHES)
+#endif
+static inline int world_has_layers(const fray_world *w) {
+  return FRAY_LAYERS && w->capacity[POOL_LAYERS] != 0;
 }
 
 /* Meshes cut its triangles. */

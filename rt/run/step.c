@@ -22,6 +22,7 @@ void fray_tick(fray_world *w, const fray_input *input, fray_output *output) {
   STEP_STAGE(BLOW, blow_run(w));
   STEP_STAGE(GATHER, collide_gather(w));
   STEP_STAGE(SELVES, selves_begin(w));
+  STEP_STAGE(LAYERS, layers_begin(w));
   for (uint32_t substep = 0; substep < substeps; ++substep) {
     STEP_STAGE(MESHES, meshes_begin(w));
     STEP_STAGE(PREDICT, predict_run(w, substep)); /* 1, 2, 4: gravity, positions */
@@ -36,6 +37,7 @@ void fray_tick(fray_world *w, const fray_input *input, fray_output *output) {
       STEP_STAGE(TEAR, tear_run(w));
       STEP_STAGE(CUT, cut_run(w));
       STEP_STAGE(SELVES, selves_run(w));         /* 6 */
+      STEP_STAGE(LAYERS, layers_run(w));         /* 6 */
     }
     STEP_STAGE(FINISH, finish_run(w)); /* 8 */
   }

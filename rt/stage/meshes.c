@@ -320,6 +320,15 @@ static int keep_apart(fray_world *w, jam *found) {
   return stands == 0 && found->holder == PRESS_FREE;
 }
 
+uint32_t meshes_look(fray_world *w) {
+  uint32_t stands = 0;
+  uint32_t left[2] = {w->capacity[POOL_CONTACTS], w->capacity[POOL_CONTACTS]};
+  jam found = {0, PRESS_FREE};
+  for (uint32_t n = 0; n < mesh_solids(w); ++n) stands += look_again(w, n, left, &found);
+  if (found.holder != PRESS_FREE) w->state->faults |= (int32_t)FRAY_FAULT_JAMMED;
+  return stands;
+}
+
 /* Who takes the momentum: who holds what does not give way, else a body that is not free. */
 static uint32_t other_of(const fray_world *w, const jam *found) {
   if (found->holder != PRESS_FREE) return found->holder;

@@ -6,6 +6,7 @@
 #include "rt/base/sweep.h"
 #include "rt/model/world.h"
 #include "rt/stage/slip.h"
+#include "rt/stage/zones.h"
 
 /* A living structural link: its row and particles, and the crossings that they stand for. */
 typedef struct {
@@ -24,17 +25,6 @@ typedef struct {
 } self_meeting;
 self_meeting selves_meeting(const fray_world *w, uint32_t row_a, uint32_t row_b);
 
-/* Products for what is done to every segment near another one: inline. */
-static inline int64_t selves_dot(vec3 a, vec3 b) {
-  return fx_add64(fx_add64(fx_mul_wide(a.x, b.x), fx_mul_wide(a.y, b.y)), fx_mul_wide(a.z, b.z));
-}
-/* At least its length: right for (1, 0, 0), (1, 1, 0), (1, 1, 1), and convex. */
-static inline int32_t selves_length(vec3 v) {
-  const int32_t x = (int32_t)fx_magnitude(v.x);
-  const int32_t y = (int32_t)fx_magnitude(v.y);
-  const int32_t z = (int32_t)fx_magnitude(v.z);
-  return fx_max(fx_max(x, y), z) / 2 + (x + y + z) / 2 + 2;
-}
 /* The way between the middles of two segments, twice, in 29 bits. */
 static inline vec3 selves_between(vec3 a0, vec3 a1, vec3 b0, vec3 b1) {
   return vec_make(fx_asr(b0.x, 4) + fx_asr(b1.x, 4) - fx_asr(a0.x, 4) - fx_asr(a1.x, 4),
@@ -43,16 +33,16 @@ static inline vec3 selves_between(vec3 a0, vec3 a1, vec3 b0, vec3 b1) {
 }
 /* The second's ends are so far beyond both of the first's. */
 static inline int selves_beyond(vec3 a0, vec3 a1, vec3 b0, vec3 b1, vec3 d, int64_t reach) {
-  const int64_t a = selves_dot(vec_sub(a1, a0), d);
+  const int64_t a = zones_dot(vec_sub(a1, a0), d);
   const int64_t most = reach + (a > 0 ? a : 0);
-  return selves_dot(vec_sub(b0, a0), d) > most && selves_dot(vec_sub(b1, a0), d) > most;
+  return zones_dot(vec_sub(b0, a0), d) > most && zones_dot(vec_sub(b1, a0), d) > most;
 }
 /* 1 where the second segment stays farther than `by` (at most 2 lu) beyond the first, along the way between
  * their middles when the tick began; it may say 0 too. */
 static inline int selves_ways_apart(const self_way *a0, const self_way *a1, const self_way *b0,
                                     const self_way *b1, int32_t by) {
   const vec3 d = selves_between(a0->begin, a1->begin, b0->begin, b1->begin);
-  const int64_t reach = fx_mul_wide(selves_length(d), by);
+  const int64_t reach = fx_mul_wide(zones_length(d), by);
   return selves_beyond(a0->begin, a1->begin, b0->begin, b1->begin, d, reach) &&
          selves_beyond(a0->end, a1->end, b0->end, b1->end, d, reach);
 }
@@ -65,7 +55,6 @@ int selves_push(fray_world *w, self_pair *pair);
 int selves_touch(fray_world *w, self_pair *pair);
 
 /* What is joined moves as one. */
-uint32_t selves_zone_of(fray_world *w, uint32_t particle);
 void selves_join(fray_world *w, const self_pair *pair);
 
 #endif

@@ -135,7 +135,7 @@ int selves_push(fray_world *w, self_pair *pair) {
   return 1;
 }
 
-static int64_t along(vec3 from, vec3 to, vec3 normal) { return selves_dot(vec_sub(to, from), normal); }
+static int64_t along(vec3 from, vec3 to, vec3 normal) { return zones_dot(vec_sub(to, from), normal); }
 
 /* One is beyond the other along the normal at begin and end, and so in between. */
 static int is_beyond(const self_meeting *m, vec3 normal) {

@@ -18,6 +18,7 @@ void weigh_run(fray_world *w);                            /* what stress makes o
 void blow_run(fray_world *w);                             /* loads and wind on them */
 
 void selves_begin(fray_world *w); /* before the first substep */
+void layers_begin(fray_world *w);
 
 /* Each substep. */
 void predict_run(fray_world *w, uint32_t substep);
@@ -30,6 +31,9 @@ void collide_run(fray_world *w);
 void meshes_begin(fray_world *w); /* before predict */
 void meshes_run(fray_world *w);   /* rigid meshes against particles and triangles, behind all else that
                                      moves them */
+/* The same once more behind what layers_run() did: who goes through a body keeps his place beside it. Returns how
+ * many do. */
+uint32_t meshes_look(fray_world *w);
 void finish_run(fray_world *w);
 
 /* Once a tick, in the last substep, between collisions and velocities. */
@@ -38,6 +42,7 @@ void split_run(fray_world *w);      /* and is */
 void tear_run(fray_world *w); /* finds springs over their threshold */
 uint32_t tear_worst(const fray_world *w); /* of them, the farthest over: canonical id */
 void selves_run(fray_world *w); /* yarns that met on their ways through the tick are kept apart */
+void layers_run(fray_world *w); /* triangles that did so */
 void cut_run(fray_world *w);  /* cuts them and releases what hung on them */
 
 /* Parts of these stages, for ticks that several workers share (rt/share). Parts in their stage's

@@ -12,7 +12,7 @@ mode=${1:-short}
 [ $# -eq 0 ] || shift
 work=$FRAY_BUILD/cross/replay
 golden=tests/golden
-cases="small torn bodies matrix8 mirror8 found twill16 satin24 frayed allyarn stretched rag meshes pressed slashed crumpled"
+cases="small torn bodies matrix8 mirror8 found twill16 satin24 frayed allyarn stretched rag meshes pressed slashed crumpled folded"
 tiny="small matrix8 mirror8" # what 16 KiB of RAM hold
 most=$(echo "$cases" | sed 's/ satin24//') # what 512 KiB of flash hold with the code
 mkdir -p "$work"
@@ -22,7 +22,7 @@ case_ticks() {
   case $1 in
     small) echo 800 ;; torn) echo 1050 ;; bodies) echo 600 ;; # frozen
     matrix8) echo 400 ;; mirror8 | found) echo 60 ;; twill16) echo 500 ;; satin24) echo 300 ;;
-    frayed) echo 300 ;; allyarn) echo 150 ;; stretched) echo 250 ;; rag) echo 250 ;; meshes) echo 200 ;; pressed | crumpled) echo 150 ;; slashed) echo 120 ;;
+    frayed) echo 300 ;; allyarn) echo 150 ;; stretched) echo 250 ;; rag) echo 250 ;; meshes) echo 200 ;; pressed | crumpled) echo 150 ;; slashed) echo 120 ;; folded) echo 300 ;;
   esac
 }
 

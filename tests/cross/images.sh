@@ -10,7 +10,7 @@ work=$FRAY_BUILD/cross/images
 scenes="tests/scenes/small.scene tests/cross/torn.scene tests/cross/bodies.scene tests/cross/found.scene
   tests/cross/matrix8.scene tests/cross/mirror8.scene tests/cross/twill16.scene tests/cross/satin24.scene
   tests/cross/frayed.scene tests/cross/allyarn.scene tests/cross/stretched.scene tests/cross/rag.scene tests/cross/meshes.scene tests/cross/pressed.scene tests/cross/slashed.scene
-  tests/cross/crumpled.scene"
+  tests/cross/crumpled.scene tests/cross/folded.scene"
 list="gcc-O0 gcc-id16 clang-O3 i386-O2 s390x-O2"
 mode=${1:-short}
 [ $# -eq 0 ] || shift

@@ -99,6 +99,7 @@ prove 'image: any header, any directory' directories eva_image directories gcc_x
 prove 'image: any bytes to memory, and saved again' loads eva_image loads gcc_x86_64 ''
 prove 'image: any bytes with meshes, and saved again' meshes eva_image loads_meshes gcc_x86_64 ''
 prove 'image: any bytes with self-collision, saved again' selves eva_image loads_selves gcc_x86_64 ''
+prove 'image: any bytes with triangles that meet each other, saved again' layers eva_image loads_layers gcc_x86_64 ''
 prove 'image: any bytes with blades, and saved again' blades eva_image loads_blades gcc_x86_64 ''
 prove 'world: any scalars' counts eva_validate counts gcc_x86_64 "$small"
 prove 'world: any values, 2 x 2' worlds22 eva_validate worlds gcc_x86_64 "$small"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The loader up to the point where a world stands in memory; what checks its values is in
  * eva_validate.c. headers(): any bytes, any capacities, any length. loads(): capacities of one
- * shape, plain, with rigid meshes, with blades and with self-collision, everything else arbitrary; image and memory end where they
+ * shape, plain, with rigid meshes, with blades, with self-collision of both kinds, everything else arbitrary; image and memory end where they
  * must. */
 #include "rt/model/image.c"
 #include "tests/proof/any.h"
@@ -18,6 +18,9 @@ static const uint32_t meshes[POOLS] = {
 static const uint32_t selves[POOLS] = {
     1, 1, PARTICLES, HELD, CROSSINGS, ROWS, BATCHES, CLASSES, CLASSES, BODIES, KEYS, CONTACTS, CUTS,
     [POOL_PAIRS] = PAIRS};
+static const uint32_t layers[POOLS] = {
+    1, 1, PARTICLES, HELD, CROSSINGS, ROWS, BATCHES, CLASSES, CLASSES, BODIES, KEYS, CONTACTS, CUTS,
+    [POOL_LAYERS] = PAIRS, [POOL_TILES] = 1};
 static const uint32_t blades[POOLS] = {
     1, 1, PARTICLES, HELD, CROSSINGS, ROWS, BATCHES, CLASSES, CLASSES, BODIES, KEYS, CONTACTS, CUTS,
     [POOL_MESH_WORDS] = MESH_WORDS, [POOL_BLADES] = 1};
@@ -64,7 +67,7 @@ static void store_shape(uint8_t *image, const uint32_t shape[POOLS]) {
   for (uint32_t p = 0; p < POOLS_IN_HEADER; ++p)
     bytes_store32(image + 4u * (IMAGE_CAPACITY_WORD + p), shape[p]);
   bytes_store32(image + 4u * IMAGE_VERSION_WORD, version_of(shape));
-  if (shape[POOL_MESH_WORDS] == 0) return;
+  if (shape[POOL_MESH_WORDS] == 0 && shape[POOL_LAYERS] == 0) return;
   for (uint32_t n = 0; n < image_array_count; ++n) {
     if (!is_saved(&image_arrays[n], shape)) continue;
     uint8_t *entry = image + 4u * (IMAGE_HEADER_WORDS + IMAGE_DIRECTORY_WORDS * sections++);
@@ -99,4 +102,5 @@ static void loads_of(const uint32_t shape[POOLS]) {
 void loads(void) { loads_of(plain); }
 void loads_meshes(void) { loads_of(meshes); }
 void loads_selves(void) { loads_of(selves); }
+void loads_layers(void) { loads_of(layers); }
 void loads_blades(void) { loads_of(blades); }

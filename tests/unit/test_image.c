@@ -30,7 +30,7 @@ static const char STRETCHED[] =
     "ball a { radius 0.05 cm at 0.16 -0.12 0 cm move hand right grip 0.01 cm }\n"
     "limits { contacts 12 cuts_per_tick 2 spare_particles 6 splits_per_tick 3 }\n";
 
-enum { SECTIONS = 27, SECTION_LAST = IMAGE_BLADES, MEMORY_MAX = 1 << 22, SECOND_OF = 1 };
+enum { SECTIONS = 27, SECTION_LAST = IMAGE_LAYERS, MEMORY_MAX = 1 << 22, SECOND_OF = 1 };
 
 static uint8_t *image;
 static size_t image_bytes;
@@ -215,7 +215,7 @@ static void headers(void) {
   check_word(IMAGE_FEATURES_WORD, IMAGE_SHORT_IDS | 2u, FRAY_BAD_VERSION);
   check_word(IMAGE_SECTIONS_WORD, SECTIONS - 1, FRAY_BAD_SECTION);
   check_word(IMAGE_BYTES_WORD, (uint32_t)image_bytes + 16u, FRAY_BAD_SECTION);
-  check_word(IMAGE_HEADER_WORDS - 1, 1, FRAY_BAD_FIELD);
+  check_word(IMAGE_CAPACITY_WORD + POOL_LAYERS, 1, FRAY_BAD_VERSION);
   check_word(IMAGE_CAPACITY_WORD + POOL_PARAMS, 2, FRAY_BAD_FIELD);
   check_word(IMAGE_CAPACITY_WORD + POOL_PARTICLES, 0xFFFFFFFFu, FRAY_BAD_FIELD);
   check_word(IMAGE_CAPACITY_WORD + POOL_ROWS, 0, FRAY_BAD_SECTION);

@@ -4,7 +4,7 @@
 # cuts, splits and the list of springs to cut, without the tests for tearing, which are test_part[case].
 function stages(    n, list) {
   n = split("fray_tick devices_run damp_run springs_run stress_run rip_run slash_run weigh_run blow_run " \
-            "collide_gather predict_run strain_run limit_run slip_run collide_run meshes_begin meshes_run selves_begin selves_run transition_run " \
+            "collide_gather predict_run strain_run limit_run slip_run collide_run meshes_begin meshes_run selves_begin selves_run layers_begin layers_run transition_run " \
             "split_run tear_run cut_run finish_run force_run report_run", list, " ")
   for (k = 1; k <= n; k++) name[k] = list[k]
   return n

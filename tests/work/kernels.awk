@@ -3,7 +3,7 @@
 # mean, under the scalar code and under a wide kernel.
 BEGIN {
   stages = split("fray_tick devices_run damp_run springs_run stress_run rip_run slash_run weigh_run blow_run " \
-                 "collide_gather predict_run strain_run limit_run slip_run collide_run meshes_begin meshes_run selves_begin selves_run transition_run " \
+                 "collide_gather predict_run strain_run limit_run slip_run collide_run meshes_begin meshes_run selves_begin selves_run layers_begin layers_run transition_run " \
                  "split_run tear_run cut_run finish_run force_run report_run world_hash", name, " ")
 }
 FNR == 1 { file++ }

@@ -8,7 +8,7 @@
 work=$FRAY_BUILD/work
 machines=${MACHINES:-m0 m3 m4f m7f m33 rv32}
 stages="devices_run damp_run springs_run stress_run rip_run slash_run weigh_run blow_run collide_gather predict_run
-  strain_run limit_run slip_run collide_run meshes_begin meshes_run selves_begin selves_run transition_run split_run tear_run cut_run finish_run force_run
+  strain_run limit_run slip_run collide_run meshes_begin meshes_run selves_begin selves_run layers_begin layers_run transition_run split_run tear_run cut_run finish_run force_run
   report_run"
 cases=$work/cases.c
 mkdir -p "$work"

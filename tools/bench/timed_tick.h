@@ -9,7 +9,7 @@
   X(DEVICES, "devices") X(DAMP, "damp") X(SPRINGS, "springs") X(GATHER, "gather") X(STRESS, "stress") \
   X(RIP, "rip") X(SLASH, "slash") X(WEIGH, "weigh") X(BLOW, "blow") X(LIMIT, "limit") \
   X(PREDICT, "predict") X(STRAIN, "strain") X(SLIP, "slip") X(COLLIDE, "collide") X(MESHES, "meshes") \
-  X(TRANSITION, "transition") X(SPLIT, "split") X(SELVES, "selves") X(TEAR, "tear") \
+  X(TRANSITION, "transition") X(SPLIT, "split") X(SELVES, "selves") X(LAYERS, "layers") X(TEAR, "tear") \
   X(CUT, "cut") X(FINISH, "finish") X(FORCE, "force") X(REPORT, "report and hash")
 
 typedef enum {

@@ -75,7 +75,7 @@ static void plan_capacity(const draft *d, uint32_t capacity[POOLS]) {
   capacity[POOL_BLADES] = 0;
   capacity[POOL_SPLITS] = s->sheet.yarns != 0 ? s->limits.splits_per_tick : 0;
   capacity[POOL_STRETCH] = scene_has_stretch(s) ? capacity[POOL_LINK_CLASSES] : 0;
-  capacity[POOL_TRIANGLES] = 0;
+  capacity[POOL_TRIANGLES] = capacity[POOL_LAYERS] = capacity[POOL_TILES] = capacity[POOL_BESIDE] = 0;
   capacity[POOL_PAIRS] = s->sheet.selves ? s->limits.self_pairs : 0;
 }
 

@@ -114,6 +114,9 @@ int block_auto_count(parser *p, const block_key *key, void *target); /* or auto:
 /* ---- the blocks; each reads from behind its keyword ---- */
 
 int sheet_block_read(parser *p, const block_key *key, void *target);
+/* Keys that both kinds of sheets have. */
+int self_collision_read(parser *p, const block_key *key, void *target);
+int self_thickness_read(parser *p, const block_key *key, void *target);
 /* triangles { ... }; what it is made of is found once all materials are known. */
 int triangles_block_read(parser *p, const block_key *key, void *target);
 int triangles_resolve(parser *p);

@@ -137,7 +137,7 @@ typedef struct {
     int loose_by_particles; /* that distance is between the particles, default 0: between the yarns */
     exact slip_friction;  /* default 0 */
     exact slip_grip;      /* N that a crossing holds back by itself, default 0 */
-    int selves;           /* 1: yarns do not pass through each other, default 0 */
+    int selves;           /* 1: yarns, or triangles, do not pass through each other, default 0 */
     int has_self_thickness;
     exact self_thickness; /* cm: how far apart they are kept, default thickness */
     int has_crimp;
@@ -190,7 +190,7 @@ typedef struct {
     uint32_t contacts;        /* default: as many as crossings */
     uint32_t cuts_per_tick;   /* default 16 */
     uint32_t splits_per_tick; /* default 32 */
-    uint32_t self_pairs;      /* default: 16 times as many as crossings */
+    uint32_t self_pairs;      /* default: 16 times as many as crossings or triangles */
   } limits;
 
   struct {

@@ -88,13 +88,13 @@ static int read_yarns(parser *p, const block_key *key, void *target) {
 }
 
 /* self_collision off or on. */
-static int read_selves(parser *p, const block_key *key, void *target) {
+int self_collision_read(parser *p, const block_key *key, void *target) {
   static const char *const kinds[] = {"off", "on"};
   (void)key;
   return value_read_choice(p, kinds, 2, &((scene *)target)->sheet.selves);
 }
 
-static int read_self_thickness(parser *p, const block_key *key, void *target) {
+int self_thickness_read(parser *p, const block_key *key, void *target) {
   ((scene *)target)->sheet.has_self_thickness = 1;
   return block_exacts(p, key, target);
 }
@@ -159,8 +159,8 @@ static const block_key keys[] = {
     {"stretch_damping", block_exacts, AT(stretch_damping), {UNIT_TIME, "0", "1"}, 1, 0},
     {"loose_by", read_loose_by, 0, {UNIT_NONE, "0", "0"}, 0, 0},
     {"slip_grip", block_exacts, AT(slip_grip), {UNIT_FORCE, "0", "1"}, 1, 0},
-    {"self_collision", read_selves, 0, {UNIT_NONE, "0", "0"}, 0, 0},
-    {"self_thickness", read_self_thickness, AT(self_thickness), {UNIT_LENGTH, "0.0001", "1"}, 1, 0},
+    {"self_collision", self_collision_read, 0, {UNIT_NONE, "0", "0"}, 0, 0},
+    {"self_thickness", self_thickness_read, AT(self_thickness), {UNIT_LENGTH, "0.0001", "1"}, 1, 0},
     {"slip_friction", block_exacts, AT(slip_friction), {UNIT_NONE, "0", "16"}, 1, 0},
 };
 

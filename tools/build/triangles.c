@@ -112,6 +112,7 @@ static void plan(const draft *d, const mesh *m, uint32_t capacity[POOLS]) {
   capacity[POOL_CONTACTS] = s->limits.has_contacts ? s->limits.contacts : m->points;
   capacity[POOL_CUTS] = s->limits.cuts_per_tick;
   capacity[POOL_MESH_WORDS] = draft_mesh_words(d);
+  capacity[POOL_LAYERS] = !s->sheet.selves ? 0 : s->limits.self_pairs != 0 ? s->limits.self_pairs : 16u * m->triangles;
   capacity[POOL_BLADES] = s->triangles.cloth.is_cut && d->meshes.head.meshes > 0;
 }
 
@@ -200,6 +201,20 @@ static int fill_triangles(const draft *d, const mesh *m, fray_world *w) {
   return 1;
 }
 
+/* Half the thickness, or a 64th of the least height of a triangle, is what the search allows a push for. */
+static int fill_layers(const draft *d, fray_world *w) {
+  const int32_t height = w->sheet.params->height_min; /* a quarter of it */
+  selves_params *k = WRITABLE(selves_params, w->selves);
+  if (!draft_word(d, "self_thickness", exact_mul(d->scene->sheet.self_thickness, d->lu_per_cm), FX_POSITION_BITS, 1,
+                  1 << 22, &k->thickness))
+    return 0;
+  if (k->thickness > 2 * (int64_t)height)
+    return draft_refuse(d, d->scene->triangles.line, "self_thickness: expected at most half of the least height of "
+                        "a triangle, so that triangles side by side do not meet");
+  k->slack = fx_max(1, fx_min(height / 16, k->thickness / 2));
+  return 1;
+}
+
 int draft_triangles(draft *d, void **memory, fray_world **world) {
   uint32_t capacity[POOLS];
   mesh m;
@@ -219,6 +234,7 @@ int draft_triangles(draft *d, void **memory, fray_world **world) {
     w->particles = m.points;
     good = draft_fill_bodies(d, w) && fill_vertices(d, &m, w) && fill_triangles(d, &m, w) &&
            draft_params(d, WRITABLE(params, w->params)) && draft_cloths(d, w);
+    if (good && world_has_layers(w)) good = fill_layers(d, w);
     if (good) {
       draft_mesh_fill(d, WRITABLE(int32_t, w->meshes));
       sheet_derive(w);

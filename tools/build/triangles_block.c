@@ -92,6 +92,8 @@ static const block_key keys[] = {
     {"plane", read_plane, 0, {UNIT_NONE, "0", "0"}, 0, 0},
     {"thickness", block_exacts, SHARED(thickness), {UNIT_LENGTH, "0.0001", "1"}, 1, 0},
     {"drag", block_exacts, SHARED(drag), {UNIT_RATE, "0", "1000"}, 1, 0},
+    {"self_collision", self_collision_read, 0, {UNIT_NONE, "0", "0"}, 0, 0},
+    {"self_thickness", self_thickness_read, SHARED(self_thickness), {UNIT_LENGTH, "0.0001", "1"}, 1, 0},
     {"collide", read_collide, 0, {UNIT_NONE, "0", "0"}, 0, 0},
 };
 static const block_rule rule = {keys, sizeof keys / sizeof keys[0]};
