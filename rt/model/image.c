@@ -245,7 +245,7 @@ static void derive_pools(uint32_t capacity[POOLS]) {
   const uint32_t across = layers_across(capacity[POOL_TRIANGLES]);
   const uint32_t tiles = capacity[POOL_LAYERS] != 0 ? across * across : 0;
   capacity[POOL_TILES] = tiles;
-  capacity[POOL_BESIDE] = tiles * (tiles - (tiles != 0)) / 2u;
+  capacity[POOL_BESIDE] = tiles != 0 ? tiles * (tiles - 1u) / 2u : 0;
 }
 
 size_t image_blank(const uint32_t said[POOLS], void *memory, fray_world **world) {

@@ -210,7 +210,7 @@ static uint32_t begin_duo(const fray_world *w, uint32_t t, uint32_t other, duo *
   }
   for (uint32_t k = 0; k < 3; ++k) {
     const row_id p = d->v[0][k];
-    d->common[k] = (uint32_t)(p == d->v[1][0]) | (uint32_t)(p == d->v[1][1]) << 1 | (uint32_t)(p == d->v[1][2]) << 2;
+    d->common[k] = (p == d->v[1][0] ? 1u : 0u) | (p == d->v[1][1] ? 2u : 0u) | (p == d->v[1][2] ? 4u : 0u);
     common |= d->common[k];
   }
   return common;

@@ -248,7 +248,7 @@ void tiles_find_stale(fray_world *w) {
   for (uint32_t t = 0; t < triangles_of(w); ++t) {
     layer_way *way = &w->layer_ways[t];
     const int32_t goes = goes_by(w, t);
-    l->wild |= (uint32_t)(goes == LAYERS_TOO_FAR);
+    l->wild |= goes == LAYERS_TOO_FAR ? 1u : 0u;
     way->gone = way->room < 0 ? 0 : gone_of(w, t);
     w->layer_soon[t] = way->gone + goes;
     if (l->tight == 0 && w->layer_boxes[t].hot == 0 && w->layer_soon[t] <= way->room) continue;
@@ -275,7 +275,7 @@ void tiles_find_beside(fray_world *w) {
       layer_tile wider;
       const vec3 from = wrap_sub(of[a].gone, of[b].gone);
       const int32_t goes = tiles_gone_by(of[a].mean, of[b].mean, vec_make(0, 0, 0));
-      l->wild |= (uint32_t)(goes == LAYERS_TOO_FAR);
+      l->wild |= goes == LAYERS_TOO_FAR ? 1u : 0u;
       const int32_t room = l->tight != 0 ? goes : fx_max(fx_saturate((int64_t)FAST * goes), l->usual);
       pair->gone = pair->room < 0 ? 0 : length_most(wrap_sub(from, pair->from));
       pair->soon = pair->gone + goes;

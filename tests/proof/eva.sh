@@ -28,7 +28,7 @@ options_of() { # FILE MAIN: sets files, options
       options='-eva-precision 3 -eva-auto-loop-unroll 4096 -eva-widening-delay 20 -eva-split-return full -eva-slevel 100' ;;
     eva_image-*)
       files='rt/base/*.c'
-      options="-eva-precision 0 -eva-split-return auto -eva-auto-loop-unroll 8192 -eva-min-loop-unroll 96 -eva-split-return-function readable_in_place:0:1,read_directory:0 -eva-slevel 0 -eva-slevel-function $header" ;;
+      options="-eva-precision 0 -eva-split-return auto -eva-auto-loop-unroll 8192 -eva-min-loop-unroll 160 -eva-split-return-function readable_in_place:0:1,read_directory:0 -eva-slevel 0 -eva-slevel-function $header" ;;
     eva_validate-*)
       files='rt/model/image.c rt/model/view.c rt/model/weave.c rt/model/world.c rt/model/couples.c rt/base/*.c'
       options="-eva-precision 0 -eva-split-return auto -eva-auto-loop-unroll 100 -eva-min-loop-unroll 64 -eva-slevel 0 -inline-calls weave_link_at -eva-slevel-function $values" ;;
