@@ -35,9 +35,11 @@ static inline layer_beside *between(const fray_world *w, uint32_t a, uint32_t b)
   return a > b ? &w->tiles_beside[a * (a - 1u) / 2u + b] : &w->tiles_beside[b * (b - 1u) / 2u + a];
 }
 
+/* Without a branch: which of the six it is nobody can foresee. */
 static inline int overlap(const int32_t *low, const int32_t *high, const int32_t *other_low, const int32_t *other_high) {
-  return low[0] <= other_high[0] && other_low[0] <= high[0] && low[1] <= other_high[1] && other_low[1] <= high[1] &&
-         low[2] <= other_high[2] && other_low[2] <= high[2];
+  uint32_t apart = 0;
+  for (uint32_t k = 0; k < 3; ++k) apart |= (low[k] > other_high[k] ? 1u : 0u) | (other_low[k] > high[k] ? 1u : 0u);
+  return apart == 0;
 }
 
 static inline void widen_by(int32_t *low, int32_t *high, int64_t by) {
