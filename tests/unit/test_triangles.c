@@ -91,7 +91,7 @@ static void bad_text_is_refused(void) {
                  2, "expected 'slit column' or 'slit row' for this sheet");
   expect_refusal("scene x\ntriangles {\n columns 4\n rows 4\n edge 1 cm\n material denim\n self_collision on\n "
                  "self_thickness 0.5 cm\n}\n",
-                 2, "at most half of the least height of a triangle");
+                 2, "um, half of the least height of a triangle");
   expect_refusal("scene x\ntriangles {\n columns 4\n rows 4\n edge 1 cm\n material denim\n self_collision yes\n}\n", 7,
                  "expected off or on for 'self_collision'");
 }

@@ -209,8 +209,9 @@ static int fill_layers(const draft *d, fray_world *w) {
                   1 << 22, &k->thickness))
     return 0;
   if (k->thickness > 2 * (int64_t)height)
-    return draft_refuse(d, d->scene->triangles.line, "self_thickness: expected at most half of the least height of "
-                        "a triangle, so that triangles side by side do not meet");
+    return draft_refuse(d, d->scene->triangles.line, "self_thickness, or thickness without it: expected at most %u um, "
+                        "half of the least height of a triangle, so that triangles side by side do not meet",
+                        (uint32_t)(2 * (int64_t)height * d->lu_um / FX_LU));
   k->slack = fx_max(1, fx_min(height / 16, k->thickness / 2));
   return 1;
 }
