@@ -11,11 +11,11 @@ mkdir -p "$work/seeds/image" "$work/seeds/candump" "$work/seeds/scene" "$work/se
 
 "$FRAY" scene tests/scenes/small.scene -o "$work/seeds/image/small.img" >/dev/null
 "$FRAY" scene tests/cross/bodies.scene -o "$work/seeds/image/bodies.img" >/dev/null
-"$FRAY" run tests/cross/frayed.scene --ticks 150 --save "$work/seeds/image/frayed.img" >/dev/null
 "$FRAY" scene tests/cross/allyarn.scene -o "$work/seeds/image/allyarn.img" >/dev/null
-"$FRAY" run tests/cross/stretched.scene --ticks 150 --save "$work/seeds/image/stretched.img" >/dev/null
-"$FRAY" run tests/cross/rag.scene --ticks 60 --save "$work/seeds/image/rag.img" >/dev/null
 "$FRAY" scene tests/cross/meshes.scene -o "$work/seeds/image/meshes.img" >/dev/null
+for case in frayed:150 stretched:150 rag:60 crumpled:90 pressed:60 slashed:60 folded:150; do
+  "$FRAY" run "tests/cross/${case%:*}.scene" --ticks "${case#*:}" --save "$work/seeds/image/${case%:*}.img" >/dev/null
+done
 "$FRAY" hand -o "$work/small.log" tests/cross/small.hand
 "$FRAY" run "$work/seeds/image/small.img" --log "$work/small.log" --ticks 300 \
   --save "$work/seeds/image/torn.img" --record "$work/recording" >/dev/null
