@@ -128,6 +128,7 @@ const image_array image_arrays[] = {
 #endif
 #if FRAY_LAYERS
     LAYERS(KIND_STRUCT, POOL_PARTICLES, sizeof(self_way), ways),
+    LAYERS(KIND_STRUCT, POOL_STATE, sizeof(layer_list), listed),
     LAYERS(KIND_STRUCT, POOL_LAYERS, sizeof(layer_pair), layers),
     LAYERS(KIND_STRUCT, POOL_LAYERS, 2 * sizeof(uint32_t), layers_met),
     LAYERS(KIND_STRUCT, POOL_TRIANGLES, sizeof(layer_way), layer_ways),

@@ -154,7 +154,7 @@ struct fray_world {
   layer_tile *tiles;
   layer_beside *tiles_beside;
   uint8_t *stands;           /* particle -> 1: put back beside a body in this tick */
-  layer_list listed;
+  layer_list *listed;
   uint32_t sharp;            /* meshes that cut, a bit each; as long as the world */
   uint8_t *parted;           /* particle -> 1: all of its triangles are parted; see stage/slash.c */
   cut *cuts;

@@ -43,7 +43,7 @@ static int push_pairs(fray_world *w) {
   for (uint32_t round = 0; round < SELVES_ROUNDS && pushed; ++round) {
     pushed = 0;
     ++w->round;
-    for (uint32_t n = 0; n < w->listed.met; ++n) pushed |= layers_push(w, &w->layers[w->layers_met[n]]);
+    for (uint32_t n = 0; n < w->listed->met; ++n) pushed |= layers_push(w, &w->layers[w->layers_met[n]]);
     moved |= pushed;
   }
   return moved;
@@ -52,7 +52,7 @@ static int push_pairs(fray_world *w) {
 static int join_touching(fray_world *w) {
   int touch = 0;
   ++w->round;
-  for (uint32_t n = 0; n < w->listed.met; ++n) {
+  for (uint32_t n = 0; n < w->listed->met; ++n) {
     layer_pair *pair = &w->layers[w->layers_met[n]];
     if (is_joined(w, pair) || !layers_touch(w, pair)) continue;
     layers_join(w, pair);
@@ -67,7 +67,7 @@ static void join_pairs(fray_world *w) {
     if (!join_touching(w)) return;
     zones_move(w);
   }
-  for (uint32_t n = 0; n < w->listed.met; ++n) {
+  for (uint32_t n = 0; n < w->listed->met; ++n) {
     layers_join(w, &w->layers[w->layers_met[n]]);
     zones_join(w, w->layers[w->layers_met[0]].p[0], w->layers[w->layers_met[n]].p[0]);
   }

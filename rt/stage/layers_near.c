@@ -116,11 +116,11 @@ static void look_at(fray_world *w, uint32_t n, sweep_gap gap) {
   pair->until = fx_saturate(left);
   if (!may_meet(w, pair, gap) || are_separated(w, pair, least_apart(w), 1) || are_one(w, pair)) return;
   pair->looked = pair->near = 0;
-  w->layers_met[w->listed.met++] = n;
+  w->layers_met[w->listed->met++] = n;
 }
 
 static void add_pair(fray_world *w, layer_pair *pair, int64_t reach) {
-  layer_list *l = &w->listed;
+  layer_list *l = w->listed;
   if (are_separated(w, pair, reach, 0)) return;
   const int now = l->tight != 0 || w->layer_boxes[pair->of[0]].hot != 0 || w->layer_boxes[pair->of[1]].hot != 0;
   if (now && are_separated(w, pair, least_apart(w), 1)) return;
@@ -258,7 +258,7 @@ static void list_with(fray_world *w, uint32_t t, uint32_t tile, int all) {
   const int64_t room = room_between(w, box.tile, tile);
   widen_by(box.low, box.high, room);
   if (!overlap(box.low, box.high, of->low, of->high)) return;
-  for (uint32_t n = of->first; n < of->end && w->listed.lacks == 0; n += LAYERS_CLUMP) {
+  for (uint32_t n = of->first; n < of->end && w->listed->lacks == 0; n += LAYERS_CLUMP) {
     const layer_clump *clump = &w->layer_clumps[n];
     ++w->work.self_visits;
     if (overlap(box.low, box.high, clump->low, clump->high))
@@ -268,18 +268,18 @@ static void list_with(fray_world *w, uint32_t t, uint32_t tile, int all) {
 
 /* With those of all tiles that are listed together. */
 static void list_near(fray_world *w, uint32_t t, uint64_t tiles) {
-  for (uint64_t left = tiles; left != 0 && w->listed.lacks == 0; left &= left - 1u)
+  for (uint64_t left = tiles; left != 0 && w->listed->lacks == 0; left &= left - 1u)
     list_with(w, t, 63u - fx_leading_zeros64(left & (~left + 1u)), 0);
 }
 
 static void list_tiles(fray_world *w, uint32_t a, uint32_t b) {
   const layer_tile *of = &w->tiles[a];
-  for (uint32_t n = of->first; n < of->end && w->listed.lacks == 0; ++n) list_with(w, w->layer_order[n], b, 1);
+  for (uint32_t n = of->first; n < of->end && w->listed->lacks == 0; ++n) list_with(w, w->layer_order[n], b, 1);
 }
 
 /* What was listed: without what is stale, and what may meet. */
 static void look_at_list(fray_world *w) {
-  layer_list *l = &w->listed;
+  layer_list *l = w->listed;
   uint32_t kept = 0;
   for (uint32_t n = 0; n < l->pairs; ++n) {
     const layer_pair *pair = &w->layers[n];
@@ -294,7 +294,7 @@ static void look_at_list(fray_world *w) {
 
 /* Returns 0 where there is no room. */
 static int list_stale(fray_world *w) {
-  layer_list *l = &w->listed;
+  layer_list *l = w->listed;
   l->full = l->lacks = 0;
   for (uint32_t n = 0; n < l->stale && l->lacks == 0; ++n) {
     const uint32_t t = w->layer_stale[n];
@@ -309,7 +309,7 @@ static int list_stale(fray_world *w) {
 /* Only what may meet in this tick, triangle after triangle. What there is no room for is joined, from the first
  * triangle on of which there is something. */
 static void list_tight(fray_world *w) {
-  layer_list *l = &w->listed;
+  layer_list *l = w->listed;
   tiles_begin(w);
   l->kept = l->full = l->lacks = l->met = 0;
   l->tight = 1;
@@ -377,7 +377,7 @@ static void put_in_order(const fray_world *w, uint32_t *list, uint32_t count) {
 
 static void order_met(fray_world *w) {
   const uint32_t triangles = triangles_of(w);
-  const uint32_t met = w->listed.met;
+  const uint32_t met = w->listed->met;
   uint32_t *counts = w->layer_counts;
   uint32_t *from = w->layers_met + w->capacity[POOL_LAYERS];
   uint32_t sum = 0;
@@ -400,7 +400,7 @@ static void order_met(fray_world *w) {
 }
 
 int layers_find(fray_world *w) {
-  layer_list *l = &w->listed;
+  layer_list *l = w->listed;
   l->tight = l->met = l->wild = 0;
   if (l->kept == 0)
     tiles_begin(w);

@@ -64,7 +64,7 @@ static int32_t gone_of(const fray_world *w, uint32_t t) {
 /* Of the tick before. */
 void layers_went(fray_world *w) {
   layer_tile *tile = w->tiles;
-  if (w->listed.kept == 0) return;
+  if (w->listed->kept == 0) return;
   for (uint32_t a = 0; a < tiles_of(w); ++a) {
     tile[a].gone = vec_make(fx_wrap_add(tile[a].gone.x, tile[a].mean.x), fx_wrap_add(tile[a].gone.y, tile[a].mean.y),
                             fx_wrap_add(tile[a].gone.z, tile[a].mean.z));
@@ -112,14 +112,14 @@ static void find_tile(fray_world *w, uint32_t t) {
   layer_box *b = &w->layer_boxes[t];
   const int32_t u = s->u[v[0]] / 3 + s->u[v[1]] / 3 + s->u[v[2]] / 3;
   const int32_t at = s->v[v[0]] / 3 + s->v[v[1]] / 3 + s->v[v[2]] / 3;
-  const uint32_t i = part_along(&w->listed, u, 0);
-  const uint32_t j = part_along(&w->listed, at, 1);
-  b->tile = (uint8_t)(j / LAYERS_PARTS * w->listed.across + i / LAYERS_PARTS);
+  const uint32_t i = part_along(w->listed, u, 0);
+  const uint32_t j = part_along(w->listed, at, 1);
+  b->tile = (uint8_t)(j / LAYERS_PARTS * w->listed->across + i / LAYERS_PARTS);
   b->part = (uint8_t)(j % LAYERS_PARTS * LAYERS_PARTS + i % LAYERS_PARTS);
 }
 
 static void find_rest(fray_world *w) {
-  layer_list *l = &w->listed;
+  layer_list *l = w->listed;
   const int32_t *const at[2] = {w->sheet.u, w->sheet.v};
   l->across = layers_across(triangles_of(w));
   for (uint32_t k = 0; k < 2; ++k) {
@@ -193,11 +193,11 @@ static void renew(fray_world *w, uint32_t t) {
 static int is_changed(const fray_world *w, uint32_t t) {
   const row_id *v = w->sheet.triangle[t].v;
   const layer_box *b = &w->layer_boxes[t];
-  return t >= w->listed.triangles || v[0] != b->v[0] || v[1] != b->v[1] || v[2] != b->v[2] || bits_of_own(w, t) != b->own;
+  return t >= w->listed->triangles || v[0] != b->v[0] || v[1] != b->v[1] || v[2] != b->v[2] || bits_of_own(w, t) != b->own;
 }
 
 static void remember(fray_world *w) {
-  layer_list *l = &w->listed;
+  layer_list *l = w->listed;
   fill_tiles(w);
   l->particles = w->particles;
   l->triangles = triangles_of(w);
@@ -207,7 +207,7 @@ static void remember(fray_world *w) {
 
 /* Nothing is listed: all triangles are stale, all tiles far from each other. */
 void tiles_begin(fray_world *w) {
-  layer_list *l = &w->listed;
+  layer_list *l = w->listed;
   layer_tile *of = w->tiles;
   int64_t wide = 0;
   find_rest(w);
@@ -228,7 +228,7 @@ void tiles_begin(fray_world *w) {
 }
 
 void tiles_follow(fray_world *w) {
-  const layer_list *l = &w->listed;
+  const layer_list *l = w->listed;
   if (l->topology[0] == w->state->topology[0] && l->topology[1] == w->state->topology[1] && l->particles == w->particles &&
       l->triangles == triangles_of(w))
     return;
@@ -241,7 +241,7 @@ void tiles_follow(fray_world *w) {
 
 /* Those that are no more where they were listed, or will not be, are to be listed. */
 void tiles_find_stale(fray_world *w) {
-  layer_list *l = &w->listed;
+  layer_list *l = w->listed;
   layer_tile *of = w->tiles;
   l->stale = 0;
   for (uint32_t a = 0; a < tiles_of(w); ++a) of[a].mean = mean_of(w, &of[a]);
@@ -265,7 +265,7 @@ void tiles_find_stale(fray_world *w) {
 
 /* Tiles that are near each other and are not listed, or are no more beside each other as they were. */
 void tiles_find_beside(fray_world *w) {
-  layer_list *l = &w->listed;
+  layer_list *l = w->listed;
   layer_tile *of = w->tiles;
   for (uint32_t a = 0; a < tiles_of(w); ++a) of[a].near = (uint64_t)1 << a;
   for (uint32_t a = 0; a < tiles_of(w); ++a)

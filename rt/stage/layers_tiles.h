@@ -24,7 +24,7 @@ void tiles_find_beside(fray_world *w);
 
 static inline uint32_t triangles_of(const fray_world *w) { return (uint32_t)w->sheet.state->triangles; }
 
-static inline uint32_t tiles_of(const fray_world *w) { return w->listed.across * w->listed.across; }
+static inline uint32_t tiles_of(const fray_world *w) { return w->listed->across * w->listed->across; }
 
 /* Two that are farther apart do not meet, if they do not go anywhere. */
 static inline int64_t least_apart(const fray_world *w) {

@@ -36,7 +36,7 @@ else
   if ! $CC $flags "$work/probe.c" -c -o "$work/probe.o" 2>/dev/null; then flags=''; fi
 fi
 flags="$flags -DFRAY_CHECKED"
-suite_make BUILD="$work/$CC" CC="$CC" OPT=-O1 EXTRA="$flags" "$work/$CC/libfray.a" "$work/$CC/libtools.a"
+suite_make BUILD="$work/$CC" CC="$CC" OPT=-O1 EXTRA="$flags" WIDE=-fno-sanitize=all "$work/$CC/libfray.a" "$work/$CC/libtools.a"
 for name in image candump scene obj; do
   # shellcheck disable=SC2086
   $CC -std=gnu11 -O1 -g -I. $flags $link "tests/fuzz/fuzz_$name.c" $driver "$work/$CC/libtools.a" \

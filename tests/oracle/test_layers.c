@@ -255,7 +255,7 @@ static void the_list_is_no_state(void) {
     open_case(&kept, texts[n / 2], limits[n % 2], "self_collision on");
     open_case(&anew, texts[n / 2], limits[n % 2], "self_collision on");
     for (uint32_t tick = 0; tick < 500; ++tick) {
-      anew.w->listed.kept = 0;
+      anew.w->listed->kept = 0;
       const fray_output a = fixture_tick(&kept, &fixture_idle);
       const fray_output b = fixture_tick(&anew, &fixture_idle);
       differ += a.hash != b.hash || a.work.self_pairs != b.work.self_pairs || a.work.self_stops != b.work.self_stops ||

@@ -13,9 +13,9 @@ mkdir -p "$work"
 # name, scene, hand, bytes for the world, machines
 firmwares() {
   all=$($target list)
-  echo "small tests/scenes/small.scene tests/cross/small.hand 5504 $all"
-  echo "sixteen tests/target/sixteen.scene tests/cross/small.hand 18688 ${all% microbit}"
-  echo "minute tests/target/minute.scene tests/target/minute.hand 5504 m3 rv32"
+  echo "small tests/scenes/small.scene tests/cross/small.hand 5552 $all"
+  echo "sixteen tests/target/sixteen.scene tests/cross/small.hand 18720 ${all% microbit}"
+  echo "minute tests/target/minute.scene tests/target/minute.hand 5552 m3 rv32"
 }
 
 # The timer that counts beside the tick, where there is one; and no sleep, see systick.c.
@@ -218,7 +218,7 @@ check_budgets() {
 check_recording() {
   "$FRAY_BUILD/tests/cli/alter" pose "$work/small.rec" 400 1 1 >"$work/altered.rec"
   "$FRAY_BUILD/tests/target/tape" "$work/altered.rec" >"$work/altered.tape.c"
-  build altered m3 5504 "$work/small.image.c" "$work/altered.tape.c"
+  build altered m3 5552 "$work/small.image.c" "$work/altered.tape.c"
   code=0
   said=$($target run m3 "$work/altered-m3.elf" -icount shift=0,sleep=off) || code=$?
   case "$code $(field first)" in
