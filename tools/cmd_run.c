@@ -157,20 +157,19 @@ static int save(const run_job *j) {
 }
 
 static void print_pieces(const run_job *j, FILE *out, const piece *pieces, uint32_t count) {
+  const char *of = j->s.facts.triangles_max != 0 ? "vertices" : j->s.facts.splits_max != 0 ? "particles" : "crossings";
   fprintf(out, "pieces       %u\n", count);
   for (uint32_t n = 0; n < count && n < 8; ++n) {
-    fprintf(out, "             %u %s, ", pieces[n].crossings,
-            j->s.facts.splits_max != 0 ? "particles" : "crossings");
-    if (pieces[n].holders == 0) fprintf(out, "loose");
+    fprintf(out, "             %u %s, %s", pieces[n].crossings, of, pieces[n].holders == 0 ? "loose" : "held by body");
     for (uint32_t b = 0; b < j->s.facts.bodies; ++b)
-      if ((pieces[n].holders >> b & 1u) != 0) fprintf(out, "held by body %u ", b);
+      if ((pieces[n].holders >> b & 1u) != 0) fprintf(out, " %u", b);
     fprintf(out, "\n");
   }
 }
 
 static void print_yarns(const run_job *j, FILE *out) {
   loose_ends e;
-  if (j->last.cuts_total == 0 && j->s.facts.splits_max == 0) return;
+  if ((j->last.cuts_total == 0 && j->s.facts.splits_max == 0) || j->s.facts.triangles_max != 0) return;
   if (!loose_ends_find(j->s.opened.world, &e)) return;
   if (j->s.facts.splits_max != 0) {
     fprintf(out, "yarns        %u crossings split; %u loose, %u apart", e.split, e.loose, e.disconnected);
