@@ -438,6 +438,36 @@ static void a_moved_end_voids_the_plan(void) {
   fixture_close(&s.f);
 }
 
+/* Springs for which a worker waits for the one before, or that one for him, in percent. */
+static uint32_t springs_waited_for(const fray_share *s) {
+  const params *p = s->world->params;
+  const uint32_t batches = (uint32_t)p->bend_batches + (uint32_t)p->shear_batches;
+  uint32_t near = 0;
+  for (uint32_t b = 0; b < batches; ++b)
+    for (uint32_t n = 0; n < s->owners; ++n) {
+      const share_cut *c = s->cuts + (size_t)b * (s->workers + 1u) + n;
+      near += c->far - c->near;
+    }
+  return near * 100u / (uint32_t)(p->bends + p->shears);
+}
+
+/* Those about where two workers meet, a fifth, and not before a worker is in the middle of his first pass: rows of
+ * springs go with the particles (half of them where pieces of runs did not). */
+static void few_springs_wait(void) {
+  static const uint32_t sizes[][2] = {{160, 80}, {320, 160}};
+  for (uint32_t n = 0; n < 2; ++n) {
+    shared s = {0};
+    fixture_hanging(&s.f, sizes[n][0], sizes[n][1], 4, "0 s", "0 %", "0 /s");
+    share_open(&s, 2);
+    const uint32_t waited = springs_waited_for(s.share);
+    printf("  %u x %u: %u %% of the springs are waited for\n", sizes[n][0], sizes[n][1], waited);
+    CHECK(waited <= 25);
+    CHECK(!s.share->springs_first && s.share->gate[0] != SHARE_NO_GATE && s.share->gate[0] >= 2);
+    share_close(&s);
+    fixture_close(&s.f);
+  }
+}
+
 static void refuses_what_does_not_fit(void) {
   fixture f;
   fixture_hanging(&f, 8, 8, 2, "0 s", "0 %", "0 /s");
@@ -469,6 +499,7 @@ int main(void) {
   TEST(nothing_meets);
   TEST(blocks_cover_a_sweep);
   TEST(a_moved_end_voids_the_plan);
+  TEST(few_springs_wait);
   TEST(refuses_what_does_not_fit);
   return test_end();
 }

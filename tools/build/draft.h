@@ -14,6 +14,7 @@ typedef struct {
   uint32_t colour;
   uint32_t level;     /* the lesser one of its ends */
   uint32_t step;      /* when it is stepped */
+  uint32_t band;      /* of springs: the part of the particles that they are of */
   uint32_t rank;      /* in its batch: how long the piece of a run is that it belongs to */
   uint32_t along_warp;
   uint32_t ordered;   /* a link */

@@ -7,6 +7,9 @@
 
 /* Colours of links: 0 to 3 join crossings of one level, LINK_ACROSS and on two levels. */
 enum { LINK_ACROSS = 4, LINK_COLOURS = 8 };
+/* Particles of a band. Springs of each are batches of their own: workers divide batches by particles, and the
+ * pieces of a run stand apart in one. */
+enum { BAND = 1024 };
 enum { RANK_LONG, RANK_SHORT, RANK_REST, RANK_SINGLE };
 
 /* Rows along a contour: neighbours alternate; bend springs, which reach over one crossing, in pairs. */
@@ -66,6 +69,7 @@ static draft_row make_row(const draft *d, uint32_t canonical) {
                        : spring_across(d, a, b);
   r.level = la < lb ? la : lb;
   r.step = r.colour;
+  r.band = r.ordered ? 0 : r.j / BAND;
   r.rank = RANK_LONG;
   r.along_warp = a / d->grid.warps != b / d->grid.warps;
   return r;
@@ -94,10 +98,11 @@ static int compare(uint32_t a, uint32_t b) { return (a > b) - (a < b); }
 
 static uint32_t turn_of(uint32_t kind) { return kind == BATCH_HELD ? 0 : kind + 1; }
 
-/* Held rows, then free ones, then idle ones; outwards. */
+/* Held rows, then free ones, then idle ones; outwards, springs by bands. */
 static int compare_batches(const draft_row *a, const draft_row *b) {
   const int order = compare(turn_of(a->kind), turn_of(b->kind));
-  return order != 0 || a->kind == BATCH_IDLE ? order : compare(a->step, b->step);
+  if (order != 0 || a->kind == BATCH_IDLE) return order;
+  return a->step != b->step ? compare(a->step, b->step) : compare(a->band, b->band);
 }
 
 static int compare_rows(const void *left, const void *right) {
