@@ -10,6 +10,7 @@
 
 #include "rt/base/bytes.h"
 #include "rt/stage/stage.h"
+#include "tests/lib/damage.h"
 #include "tests/lib/sheet_check.h"
 #include "tests/lib/world_fixture.h"
 
@@ -342,32 +343,11 @@ static void saved_in_the_middle(void) {
   }
 }
 
-/* Each bit of the section flipped: refused, or another world that runs. */
 static void damaged_sections(void) {
   fixture f;
-  uint32_t refused = 0;
   open_case(&f, folded, "", "self_collision on");
   CHECK_EQ_INT(f.image[4], 7); /* version 2.7 */
-  const size_t words = 2;
-  size_t at = 0;
-  for (size_t n = 24 * 4; n + 16 <= f.image_bytes && at == 0; n += 16)
-    if (f.image[n] == IMAGE_LAYERS && f.image[n + 4] == 4 && f.image[n + 8] == words) memcpy(&at, f.image + n + 12, 4);
-  CHECK(at != 0);
-  for (size_t bit = 0; bit < words * 32; ++bit) {
-    fray_world *w;
-    fray_error error;
-    f.image[at + bit / 8] ^= (uint8_t)(1u << bit % 8);
-    bytes_store32(f.image + 4 * IMAGE_CRC_WORD, bytes_crc32(f.image + IMAGE_CRC_FROM, f.image_bytes - IMAGE_CRC_FROM));
-    if (fray_open(f.image, f.image_bytes, f.memory, f.memory_bytes, &w, &error) == FRAY_OK) {
-      fray_output out;
-      for (uint32_t tick = 0; tick < 3; ++tick) fray_tick(w, &fixture_idle, &out);
-    } else {
-      CHECK_EQ_INT(error.section, IMAGE_LAYERS);
-      ++refused;
-    }
-    f.image[at + bit / 8] ^= (uint8_t)(1u << bit % 8);
-  }
-  CHECK(refused > 16);
+  CHECK(damage_each_bit(&f, IMAGE_LAYERS, 2) > 16);
   fixture_close(&f);
 }
 
@@ -387,8 +367,7 @@ static void headers_that_lie(void) {
     fray_error error;
     open_case(&f, folded, "", "self_collision on");
     bytes_store32(f.image + 4 * lies[n].word, lies[n].value);
-    bytes_store32(f.image + 4 * IMAGE_CRC_WORD, bytes_crc32(f.image + IMAGE_CRC_FROM, f.image_bytes - IMAGE_CRC_FROM));
-    CHECK_EQ_INT(fray_open(f.image, f.image_bytes, f.memory, f.memory_bytes, &w, &error), lies[n].status);
+    CHECK_EQ_INT(damage_open(&f, &w, &error), lies[n].status);
     fixture_close(&f);
   }
 }

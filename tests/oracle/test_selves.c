@@ -8,8 +8,8 @@
 #include "rt/base/vec.h"
 #include "tests/oracle/touching.h"
 
-#include "rt/base/bytes.h"
 #include "rt/stage/stage.h"
+#include "tests/lib/damage.h"
 #include "tests/lib/yarn_check.h"
 
 enum { SEGMENTS_MOST = 4096, PARTICLES_MOST = 4096 };
@@ -265,34 +265,11 @@ static void saved_in_the_middle(void) {
   fixture_close(&f);
 }
 
-/* Each bit of the section flipped: refused, or another world that runs. */
 static void damaged_sections(void) {
   fixture f;
-  uint32_t refused = 0;
   open_case(&f, folded, "", "self_collision on");
   CHECK_EQ_INT(f.image[4], 4); /* version 2.4 */
-  const size_t words = 2;
-  size_t at = 0;
-  for (size_t n = 24 * 4; n + 16 <= f.image_bytes && at == 0; n += 16)
-    if (f.image[n] == IMAGE_SELVES && f.image[n + 4] == 4 && f.image[n + 8] == words)
-      memcpy(&at, f.image + n + 12, 4);
-  CHECK(at != 0);
-  for (size_t bit = 0; bit < words * 32; ++bit) {
-    fray_world *w;
-    fray_error error;
-    f.image[at + bit / 8] ^= (uint8_t)(1u << bit % 8);
-    const uint32_t crc = bytes_crc32(f.image + IMAGE_CRC_FROM, f.image_bytes - IMAGE_CRC_FROM);
-    bytes_store32(f.image + 4 * IMAGE_CRC_WORD, crc);
-    if (fray_open(f.image, f.image_bytes, f.memory, f.memory_bytes, &w, &error) == FRAY_OK) {
-      fray_output out;
-      for (uint32_t tick = 0; tick < 3; ++tick) fray_tick(w, &fixture_idle, &out);
-    } else {
-      CHECK_EQ_INT(error.section, IMAGE_SELVES);
-      ++refused;
-    }
-    f.image[at + bit / 8] ^= (uint8_t)(1u << bit % 8);
-  }
-  CHECK(refused > 16);
+  CHECK(damage_each_bit(&f, IMAGE_SELVES, 2) > 16);
   fixture_close(&f);
 }
 
