@@ -321,7 +321,8 @@ static fray_status read_header(const uint8_t *image, size_t bytes, uint32_t capa
   derive_pools(capacity);
   if (version != version_of(capacity))
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD,
-                        "2.7 for triangles that meet each other, 2.6 for meshes that cut, 2.5 for rigid meshes, 2.4 for self-collision, 2.3 for triangle sheets, "
+                        "2.7 for triangles that meet each other, 2.6 for meshes that cut, 2.5 for rigid meshes, "
+                        "2.4 for self-collision, 2.3 for triangle sheets, "
                         "2.2 for yarns with a stiffness, "
                         "2.1 for yarns, 2.0 for others");
   const uint32_t features = bytes_load32(image + 4 * IMAGE_FEATURES_WORD);

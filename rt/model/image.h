@@ -9,8 +9,9 @@
  * an untrusted hand is safe to load (every field is checked) but not thereby authentic.
  * One major version is read; another one is refused, and converted by tools. What only yarns, yarns
  * with a stiffness, triangles, self-collision, rigid meshes, meshes that cut or triangles that meet
- * each other need stands in sections of its own: an image without any of them is one of version 2.0, then 2.1 to 2.7. How long the section of meshes
- * is, and whether there is one of blades, only the directory says. */
+ * each other need stands in sections of its own: an image without any of them is one of version 2.0,
+ * then 2.1 to 2.7. How long the section of meshes is, and whether there is one of blades, only the
+ * directory says. */
 #ifndef FRAY_MODEL_IMAGE_H
 #define FRAY_MODEL_IMAGE_H
 
@@ -58,7 +59,13 @@ static inline void *image_pointer(const fray_world *w, const image_array *a) {
 }
 
 /* What the version says beside yarns; the sections of these. */
-enum { IMAGE_MINOR_TRIANGLES = 3, IMAGE_MINOR_SELVES = 4, IMAGE_MINOR_MESHES = 5, IMAGE_MINOR_BLADES = 6, IMAGE_MINOR_LAYERS = 7 };
+enum {
+  IMAGE_MINOR_TRIANGLES = 3,
+  IMAGE_MINOR_SELVES = 4,
+  IMAGE_MINOR_MESHES = 5,
+  IMAGE_MINOR_BLADES = 6,
+  IMAGE_MINOR_LAYERS = 7
+};
 enum { IMAGE_SELVES = 49, IMAGE_MESHES = 50, IMAGE_BLADES = 51, IMAGE_LAYERS = 52 };
 
 /* A world with capacities and arrays in the caller's zeroed memory, for the builder: nothing is

@@ -10,9 +10,10 @@
  * part of the hash.
  *
  * Bodies that fly free are moved by what the cloth gave them in the substep before, so worlds with them
- * are ticked by worker 0, as are triangle sheets and those with rigid meshes, with yarns, with self-collision, with links that have a stiffness,
- * and with rows that leave no place to cut. Springs that tear are found when all substeps are done: what
- * comes between in step.c, velocities, neither moves a particle nor asks for a row. */
+ * are ticked by worker 0, as are triangle sheets and those with rigid meshes, with yarns, with
+ * self-collision, with links that have a stiffness, and with rows that leave no place to cut. Springs that
+ * tear are found when all substeps are done: what comes between in step.c, velocities, neither moves a
+ * particle nor asks for a row. */
 #include "rt/share/share.h"
 
 #include "rt/base/arena.h"

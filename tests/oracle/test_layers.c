@@ -206,7 +206,11 @@ static void nothing_passes(void) {
   static const struct {
     const char *name, *text;
     uint32_t ticks, passes; /* so many without it, at least */
-  } cases[] = {{"folded", folded, 400, 10}, {"heap", heap, 900, 10}, {"boxed", boxed, 600, 10}, {"torn", torn, 300, 10}, {"slashed", slashed, 250, 0}};
+  } cases[] = {{"folded", folded, 400, 10},
+               {"heap", heap, 900, 10},
+               {"boxed", boxed, 600, 10},
+               {"torn", torn, 300, 10},
+               {"slashed", slashed, 250, 0}};
   for (uint32_t n = 0; n < sizeof cases / sizeof cases[0]; ++n) {
     fixture f;
     char name[64];

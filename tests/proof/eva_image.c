@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The loader up to the point where a world stands in memory; what checks its values is in
  * eva_validate.c. headers(): any bytes, any capacities, any length. loads(): capacities of one
- * shape, plain, with rigid meshes, with blades, with self-collision of both kinds, everything else arbitrary; image and memory end where they
- * must. */
+ * shape, plain, with rigid meshes, with blades, with self-collision of both kinds, everything else
+ * arbitrary; image and memory end where they must. */
 #include "rt/model/image.c"
 #include "tests/proof/any.h"
 

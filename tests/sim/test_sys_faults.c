@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Every system call of the live loop, and of opening its socket, fails in turn: the 1st, 2nd, ... of
- * each kind, once and 50 times in a row, with every plausible errno. Each case ends in a state that the protocol knows, ticks again within
- * 100 ms of the last fault, and the log has every frame that the socket gave, in order. */
+ * each kind, once and 50 times in a row, with every plausible errno. Each case ends in a state that the
+ * protocol knows, ticks again within 100 ms of the last fault, and the log has every frame that the socket gave, in order. */
 #define _GNU_SOURCE /* fileno, dup2 */
 
 #include <errno.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Inner steps of triangle sheets, and what a tick works out for them: every kernel that this machine has
- * against the scalar code, to the last bit. Irregular meshes; vertices where the sheet has them and thrown together, in a plane, on a line, at
- * one point, apart by the size of the world; gains, weights, creases, loads and speeds of their own and
+ * against the scalar code, to the last bit. Irregular meshes; vertices where the sheet has them and thrown
+ * together, in a plane, on a line, at one point, apart by the size of the world; gains, weights, creases, loads and speeds of their own and
  * any. All that kernels read and write ends where the next page faults.
  *
  *   test_wide_sheets [ROWS]     triangles, 2,000,000 unless told, a tenth under sanitizers */

@@ -481,7 +481,9 @@ static long measure(function *f) {
     if (l->header != 0 && l->in[0] && l->rule->each == 0 && !l->rule->loose)
       stop("a loop with two entries", f->name);
     (void)longest_from(f, l, m, l->header, &l->round);
-    if (getenv("LONGEST_LOOPS")) fprintf(stderr, "%s %x size %d first %d round %ld: %s %s\n", f->name, code[f->first + l->header].at, l->size, l->first_test, l->round, l->rule->owner, l->rule->count);
+    if (getenv("LONGEST_LOOPS"))
+      fprintf(stderr, "%s %x size %d first %d round %ld: %s %s\n", f->name, code[f->first + l->header].at, l->size,
+              l->first_test, l->round, l->rule->owner, l->rule->count);
   }
   f->fixed = longest_from(f, NULL, f->loop_count, 0, &unused);
   f->state = 2;

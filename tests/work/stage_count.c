@@ -37,7 +37,8 @@ EXPORTED int qemu_plugin_install(uint64_t id, const void *info, int argc, char *
 static const char *const names[] = {
     "fray_tick",  "devices_run", "damp_run",       "springs_run", "stress_run", "rip_run", "slash_run",
     "weigh_run",  "blow_run",    "collide_gather", "predict_run", "strain_run", "limit_run",
-    "slip_run",   "collide_run", "meshes_begin", "meshes_run", "selves_begin", "selves_run", "layers_begin", "layers_run", "transition_run", "split_run",   "tear_run",   "cut_run",
+    "slip_run",   "collide_run", "meshes_begin", "meshes_run", "selves_begin", "selves_run",
+    "layers_begin", "layers_run", "transition_run", "split_run", "tear_run", "cut_run",
     "finish_run", "force_run",   "report_run",     "world_hash"};
 enum { STEP, STAGES = sizeof names / sizeof names[0], OUTSIDE = STAGES, PLACES };
 

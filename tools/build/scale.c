@@ -276,7 +276,8 @@ int draft_classes(const draft *d, link_class *links, spring_class *springs) {
   int32_t push = 0;
   int32_t thickness = 0;
   int32_t crimp = 0;
-  if (!push_share(d, &push) || !draft_length(d, 0, d->scene->sheet.thickness, &thickness) || !draft_word(d, "crimp", d->scene->sheet.crimp, 16, 0, 65536, &crimp))
+  if (!push_share(d, &push) || !draft_length(d, 0, d->scene->sheet.thickness, &thickness) ||
+      !draft_word(d, "crimp", d->scene->sheet.crimp, 16, 0, 65536, &crimp))
     return 0;
   for (uint32_t axis = 0; axis < 2; ++axis) {
     links[CLASS_WEFT + axis] = link_class_make(d->spacing[axis], push);
