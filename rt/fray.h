@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* fray: cloth that stretches and tears, in fixed point, one pure tick at a time.
+/* fray: cloth that stretches, frays, tears and is cut, in fixed point, one pure tick at a time.
  *
- * This is the whole public interface of the runtime. Nothing in it allocates, reads a clock,
- * does I/O or keeps a global: a world lives in memory that the caller owns, and a tick maps
- * (world, input) to (world, output). The same image and the same inputs give the same hash
- * after every tick on every machine.
+ * This is the whole public interface of the runtime. A world lives in memory that the caller owns, and a
+ * tick maps (world, input) to (world, output). The same image and the same inputs give the same hash after
+ * every tick on every machine. Nothing here allocates, locks, reads a clock, does I/O or keeps a global.
  *
- * Threads: one world belongs to one thread or interrupt level at a time; worlds are
- * independent. Views are valid until the next tick.
+ * Units: lengths are in lu (length units, fray_get_info().lu_um micrometres each), Q24: the integer 1 <<
+ * 24 is one lu. Velocities are Q28 lu per substep. Forces are 0.5 mN a step. Poses are 2 um a step.
  *
- * Units: lengths are in lu ("length units", params.lu_um micrometres each), Q24: the integer
- * 1 << 24 is one lu. Velocities are Q28 lu per substep. Forces on the bus are 0.5 mN a step.
- */
+ * Contract, where a function does not say otherwise:
+ *   Context: thread or interrupt; one world in one context at a time. Worlds are independent.
+ *   NULL: no pointer may be NULL, and no index out of its range: FRAY_CHECKED builds trap.
+ *   Views are valid until the next tick. */
 #ifndef FRAY_H
 #define FRAY_H
 
@@ -22,9 +22,9 @@
 extern "C" {
 #endif
 
-#define FRAY_VERSION "0.3.0"
-#define FRAY_IMAGE_MAJOR 2u
-#define FRAY_IMAGE_MINOR 7u
+#define FRAY_VERSION "0.5.0"
+#define FRAY_IMAGE_MAJOR 3u
+#define FRAY_IMAGE_MINOR 0u
 
 enum { FRAY_HANDS = 2 };
 
@@ -39,8 +39,8 @@ typedef enum {
   FRAY_BAD_CRC,
   FRAY_BAD_SECTION,  /* a section missing, doubled, of the wrong size, or out of bounds */
   FRAY_BAD_FIELD,    /* a value outside its range */
-  FRAY_BAD_BATCH,    /* two rows of one batch share a particle, or the batches have gaps */
-  FRAY_SMALL_MEMORY  /* the caller's memory is smaller than fray_bytes() says */
+  FRAY_BAD_BATCH,    /* two springs of one batch share a particle, or the batches have gaps */
+  FRAY_SMALL_MEMORY  /* the caller's memory is smaller than fray_memory_size() says */
 } fray_status;
 
 /* Where an image was refused. `what` is a constant string: what was expected there. */
@@ -53,19 +53,20 @@ typedef struct {
 
 enum { FRAY_ALIGN = 16 };
 
-/* Bytes of memory that fray_open() needs for this image.
- * Errors: as fray_open(), from the header alone. Cost: constant. */
-fray_status fray_bytes(const void *image, size_t image_bytes, size_t *bytes, fray_error *error);
+/* Bytes of memory that fray_open() needs for this image. Errors: as of fray_open(), from the header alone,
+ * which says nothing of whether the image is whole.
+ * NULL: `image` or `bytes` is FRAY_BAD_ARGUMENT; error may be NULL. Cost: constant. */
+fray_status fray_memory_size(const void *image, size_t image_bytes, size_t *bytes, fray_error *error);
 
-/* Validates an image and builds its world in the caller's memory.
- * `image` must outlive the world: its constants are used in place where byte order, index width
- * and alignment allow. `memory` is aligned to FRAY_ALIGN.
- * On any status but FRAY_OK, *world is NULL and *error says where (error may be NULL).
- * Cost: linear in the image's length; never more, whatever the image holds. */
+/* Validates an image and builds its world in the caller's memory, aligned to FRAY_ALIGN. `image` must
+ * outlive the world and stay as it is: constants are used in place where byte order, index width and
+ * alignment allow. Errors: on any status but FRAY_OK, *world is NULL and *error says where. NULL: `image`,
+ * `memory` or `world` is FRAY_BAD_ARGUMENT; error may be NULL. Cost: linear in the image's length, whatever
+ * the image holds: of the pools that only its header bounds nothing is written. */
 fray_status fray_open(const void *image, size_t image_bytes, void *memory, size_t memory_bytes,
                       fray_world **world, fray_error *error);
 
-/* The code that runs the hot loops: the same bits, other speeds. A world begins with SCALAR. */
+/* The code path of the hot loops: same bits, other speed. A world begins with SCALAR. */
 typedef enum {
   FRAY_KERNEL_SCALAR = 0,
   FRAY_KERNEL_AVX2 = 1,
@@ -73,309 +74,331 @@ typedef enum {
   FRAY_KERNEL_NEON = 3,
   FRAY_KERNEL_HELIUM = 4
 } fray_kernel;
-/* Returns 1, or 0 where this build lacks the kernel (the world keeps the one that it has). That the
- * machine has its instructions is for the caller to know; platform/linux/cpu.h asks. */
-int fray_use(fray_world *world, fray_kernel kernel);
+/* Returns 1, or 0 where this build lacks the kernel; the world then keeps its kernel. The caller knows
+ * whether the processor has the instructions (platform/linux/cpu.h asks it). Cost: constant. */
+int fray_set_kernel(fray_world *world, fray_kernel kernel);
 
-/* What the world was told for one tick: at most one pose a hand and one command.
- * Poses are 2 um a step from the device's origin; `counter` is the frame's 4-bit counter. */
+/* The device's position, 2 um a step from its origin. */
 typedef struct {
   int16_t x, y, z;
-  uint8_t counter; /* 0..15 */
+  uint8_t counter; /* 0..15: that of the frame */
   uint8_t buttons; /* 0..15 */
 } fray_pose;
 
 typedef enum {
-  FRAY_VERB_NONE = 0,
-  FRAY_VERB_START, /* READY -> OPERATIONAL as soon as every hand has sent enough good poses */
-  FRAY_VERB_STOP,  /* OPERATIONAL -> READY; forces fade out; withdraws a START that waits */
-  FRAY_VERB_RESET, /* SAFE -> READY; clears the sticky faults */
-  FRAY_VERB_ZERO,  /* OPERATIONAL: forces fade to zero and stay there until the next START */
-  FRAY_VERB_HALT   /* any state -> SAFE, force zero at once; said by the runtime on a lost bus */
-} fray_verb;
+  FRAY_COMMAND_NONE = 0,
+  FRAY_COMMAND_START, /* READY -> OPERATIONAL as soon as every hand has sent enough good poses */
+  FRAY_COMMAND_STOP,  /* OPERATIONAL -> READY; forces fade out; withdraws a pending START */
+  FRAY_COMMAND_RESET, /* SAFE -> READY; clears the sticky faults */
+  FRAY_COMMAND_ZERO,  /* OPERATIONAL: forces fade to zero and stay zero until the next START */
+  FRAY_COMMAND_HALT   /* any state -> SAFE, forces zero at once; the loop sends it when the bus is lost */
+} fray_command;
 
+/* The input of one tick: at most one pose a hand and one command. */
 typedef struct {
   uint8_t has_pose; /* bit h: pose[h] arrived for this tick */
   fray_pose pose[FRAY_HANDS];
-  uint8_t verb; /* fray_verb */
-  uint8_t verb_counter;
+  uint8_t command;  /* fray_command */
+  uint8_t command_counter;
 } fray_input;
 
 typedef enum { FRAY_READY = 1, FRAY_OPERATIONAL = 2, FRAY_SAFE = 3 } fray_state;
 
-/* Sticky fault bits; cleared by FRAY_VERB_RESET, which applies in SAFE only (HALT leads there). */
-enum {
-  FRAY_FAULT_STALE_LEFT = 1u << 0,
-  FRAY_FAULT_STALE_RIGHT = 1u << 1,
-  FRAY_FAULT_CONTACTS_FULL = 1u << 2, /* raise `limits contacts` */
-  FRAY_FAULT_CUTS_WAIT = 1u << 3,     /* more springs over their threshold than `cuts_per_tick` */
-  FRAY_FAULT_LEFT_WORLD = 1u << 4,    /* something was held back at the edge of the world */
-  FRAY_FAULT_HALTED = 1u << 5,        /* HALT: the bus was lost, or an operator said so */
-  FRAY_FAULT_SPARES_FULL = 1u << 6,   /* a crossing stays whole: raise `limits spare_particles` */
-  FRAY_FAULT_SPLITS_WAIT = 1u << 7,   /* more crossings split or come apart than `splits_per_tick` */
-  FRAY_FAULT_SELVES = 1u << 8,        /* yarns or triangles moved as one, for which the work is bounded too low:
-                                         raise `limits self_pairs` */
-  FRAY_FAULT_JAMMED = 1u << 9,        /* what is between bodies has no place, or nothing kept it apart */
-  FRAY_FAULT_CROWDED = 1u << 10,       /* something stood still: more of a mesh near its way than it is
-                                          held against */
-  FRAY_FAULT_TRIANGLES_FULL = 1u << 11 /* a sheet does not tear or is not cut: raise `limits
-                                           spare_triangles` */
-};
+/* Sticky fault bits: a tick sets them, FRAY_COMMAND_RESET clears them; it applies in SAFE only (HALT leads
+ * there). This is the one table of them, X(name, bit, signal of STATUS, cause, what to do): the enum below,
+ * the bus' dictionary, `fray run` and the page (rt/wire/README.md, "Faults") are made from it. */
+#define FRAY_FAULTS(X) \
+  X(FRAY_FAULT_STALE_LEFT, 0, "StaleLeft", \
+    "The left hand sent no good pose for too many ticks; the world went to SAFE.", \
+    "Check the device and its cable, then send RESET and START.") \
+  X(FRAY_FAULT_STALE_RIGHT, 1, "StaleRight", \
+    "The right hand sent no good pose for too many ticks; the world went to SAFE.", \
+    "Check the device and its cable, then send RESET and START.") \
+  X(FRAY_FAULT_CONTACTS_FULL, 2, "ContactsFull", \
+    "More particles or triangles are near bodies than the contact pool holds; the rest met no body in this " \
+    "tick.", \
+    "Raise `contacts` in the limits of the scene.") \
+  X(FRAY_FAULT_BREAK_BUDGET, 3, "BreakBudget", \
+    "More springs were over their thresholds, or more blade cuts due, than one tick may make; the rest is " \
+    "left for later ticks.", \
+    "Raise `tears_per_tick` in the limits of the scene, or accept the delay.") \
+  X(FRAY_FAULT_OUT_OF_WORLD, 4, "OutOfWorld", \
+    "A particle or body was held back at the edge of the world, 60 lu from its origin.", \
+    "Look for pieces that fall without end and for bodies that move too far.") \
+  X(FRAY_FAULT_HALTED, 5, "Halted", \
+    "HALT: the bus was lost, its authentication failed, or an operator sent it; the world went to SAFE.", \
+    "Mend the cause, then send RESET and START.") \
+  X(FRAY_FAULT_PARTICLES_FULL, 6, "ParticlesFull", \
+    "No spare particle is left: a crossing stays whole, or a membrane does not tear there.", \
+    "Raise `spare_particles` in the limits of the scene.") \
+  X(FRAY_FAULT_SPLIT_BUDGET, 7, "SplitBudget", \
+    "More crossings were due to split or disconnect than one tick may change; the rest follows in later " \
+    "ticks.", \
+    "Raise `splits_per_tick` in the limits of the scene, or accept the delay.") \
+  X(FRAY_FAULT_SELF_COLLISION_BUDGET, 8, "SelfCollisionBudget", \
+    "Self-collision ran out of pairs or rounds: parts of the cloth moved together for a tick, so that none " \
+    "passed through another; relative motion was lost.", \
+    "Raise `self_collision_pairs` in the limits of the scene; if the bit comes back, the cloth is too " \
+    "crowded or moves too fast.") \
+  X(FRAY_FAULT_CONTACT_UNRESOLVED, 9, "ContactUnresolved", \
+    "Cloth between bodies has no free place, or no correction kept it out of them.", \
+    "Leave room for the cloth between bodies, and move them more slowly.") \
+  X(FRAY_FAULT_MESH_QUERY_BUDGET, 10, "MeshQueryBudget", \
+    "More of a rigid mesh was near a path than one test may take; the particle or triangle kept its place.", \
+    "Use a coarser mesh, or move more slowly.") \
+  X(FRAY_FAULT_TRIANGLES_FULL, 11, "TrianglesFull", \
+    "No spare triangle is left: a membrane does not tear or is not cut there.", \
+    "Raise `spare_triangles` in the limits of the scene.")
+
+#define FRAY_FAULT_VALUE(name, bit, signal, cause, action) name = 1u << (bit),
+#define FRAY_FAULT_OR(name, bit, signal, cause, action) name |
+enum { FRAY_FAULTS(FRAY_FAULT_VALUE) FRAY_FAULTS_ALL = FRAY_FAULTS(FRAY_FAULT_OR) 0u };
+#undef FRAY_FAULT_VALUE
+#undef FRAY_FAULT_OR
 
 typedef enum {
   FRAY_RESULT_OK = 0,
-  FRAY_RESULT_REFUSED = 1, /* the verb does not apply in this state */
-  FRAY_RESULT_UNKNOWN = 2  /* no such verb */
+  FRAY_RESULT_REFUSED = 1, /* the command does not apply in this state */
+  FRAY_RESULT_UNKNOWN = 2  /* no such command */
 } fray_result;
 
 /* Counted work of one tick. */
 typedef struct {
-  uint32_t predictions; /* particles x substeps */
-  uint32_t projections; /* structural rows x sweeps x substeps */
-  uint32_t springs;     /* bend and shear rows */
-  uint32_t contacts;    /* candidate contacts x substeps */
-  uint32_t tear_tests;  /* structural rows */
-  uint32_t cuts;        /* structural springs cut */
-  uint32_t gathers;     /* free particles x bodies with a surface, compared with a body's reach */
-  uint32_t over;        /* structural springs found over their thresholds */
-  uint32_t transitions; /* structural rows tested for splitting, couples for coming apart */
-  uint32_t splits;      /* crossings split or loosened */
-  uint32_t slips;       /* connected and loose couples x substeps */
-  uint32_t stretches;   /* structural rows x inner steps x substeps, twice with damping */
-  uint32_t lines;       /* along which a triangle sheet was tried for tearing */
-  uint32_t pulls;       /* triangles x inner steps x substeps */
-  uint32_t folds;       /* sides of two triangles, each time they are bent */
-  uint32_t mesh_tests;  /* ways of particles held against the box of a mesh, or ball */
-  uint32_t mesh_boxes;  /* boxes of meshes that a way was held against */
-  uint32_t mesh_sweeps; /* of particles and a mesh's triangle, triangles and its points, sides and its edges */
-  uint32_t mesh_stops;  /* particles put back to where the substep began */
-  uint32_t self_visits; /* parts of a sheet held against each other for what may meet. Of triangles a list is
-                           kept from tick to tick, so it, and sweeps, differ behind fray_open() */
-  uint32_t self_pairs;  /* of segments of yarns, found; of vertices and triangles, and of sides, that may meet */
-  uint32_t self_sweeps; /* of these, each time they are held against each other */
-  uint32_t self_stops;  /* particles that moved as one with what they met, each time */
-  uint32_t slashes;     /* of the cuts, those that blades made in a triangle sheet */
+  uint32_t particle_steps;    /* particles x substeps; of a membrane x elastic steps */
+  uint32_t projections;       /* structural springs x iterations x substeps */
+  uint32_t springs;           /* bend and shear springs */
+  uint32_t contacts;          /* candidate contacts x substeps */
+  uint32_t tear_tests;        /* structural springs, or triangles */
+  uint32_t tears;             /* springs broken, or vertices and edges torn and cut */
+  uint32_t broad_phase_tests; /* free particles x bodies with a surface */
+  uint32_t over_threshold;    /* structural springs found over their tear strain */
+  uint32_t transitions;       /* structural springs tested for splitting, crossings for disconnecting */
+  uint32_t splits;            /* crossings split, loosened or disconnected */
+  uint32_t slips;             /* connected and loose crossings x substeps */
+  uint32_t yarn_forces;       /* structural springs x elastic steps x substeps, twice with damping */
+  uint32_t tear_candidates;   /* lines along which the membrane was tested for a tear */
+  uint32_t element_forces;    /* triangles x elastic steps x substeps */
+  uint32_t bend_forces;       /* bending hinges x their evaluations */
+  uint32_t mesh_tests;        /* paths of particles tested against the box of a rigid mesh or sphere */
+  uint32_t mesh_boxes;        /* boxes of rigid meshes' trees tested */
+  uint32_t mesh_ccd;          /* continuous collision tests with rigid meshes and spheres */
+  uint32_t mesh_pins;         /* particles returned to the start of the substep, beside a body */
+  uint32_t self_box_tests;    /* self-collision: boxes tested. Of a membrane this and self_ccd depend on
+                                 a cache that ticks share and an image does not hold */
+  uint32_t self_pairs;        /* segments, or a vertex and a triangle, or two edges, that may meet */
+  uint32_t self_ccd;          /* continuous collision tests of these */
+  uint32_t self_merged;       /* particles merged into impact zones */
+  uint32_t blade_cuts;        /* of the tears, those made by blades */
 } fray_work;
 
 typedef struct {
-  uint32_t tick;                /* the tick that was just computed, from 0 */
-  uint64_t hash;                /* of the state after it */
-  int16_t force[FRAY_HANDS][3]; /* 0.5 mN a step, after ramp, rate limit and clamp */
-  int32_t raw[FRAY_HANDS][3];   /* 0.5 mN a step, before them */
-  uint8_t consumed[FRAY_HANDS]; /* counter of the last pose consumed; 0 before the first */
-  uint8_t state;                /* fray_state */
-  uint8_t acked;                /* the verb that was answered in this tick, or 0 */
-  uint8_t ack_counter;
-  uint8_t result; /* fray_result of the acked verb */
-  uint16_t faults;
-  uint32_t cuts_waiting; /* springs over their threshold that the cap left for the next tick */
-  uint32_t cut_first;    /* structural spring (canonical id) cut first in this tick, or the vertex where a
-                            triangle sheet tore; see cuts */
-  uint32_t cuts_total;
-  uint32_t splits_waiting;       /* crossings that the cap left for the next tick */
-  uint32_t couples_connected, couples_loose, couples_disconnected; /* of the whole sheet */
+  uint64_t tick;                          /* of this output, from 0; on the bus its low 32 bits */
+  uint64_t hash;                          /* of the state after it */
+  int16_t force[FRAY_HANDS][3];           /* 0.5 mN a step, after ramp, rate limit and clamp */
+  int32_t force_unlimited[FRAY_HANDS][3]; /* 0.5 mN a step, before them */
+  uint8_t consumed[FRAY_HANDS];           /* counter of the last pose consumed; 0 before the first */
+  uint8_t state;                          /* fray_state */
+  uint8_t answered;                       /* the command answered in this tick, or FRAY_COMMAND_NONE */
+  uint8_t answer_counter;                 /* its counter */
+  uint8_t result;                         /* its fray_result */
+  uint16_t faults;                        /* FRAY_FAULT_*, sticky */
+  uint32_t tears_waiting; /* springs over their tear strain that the break budget left for the next tick */
+  uint32_t first_tear;    /* where work.tears > 0: the canonical spring broken first, or the vertex
+                             of the first tear of a membrane */
+  uint32_t tears_total;
+  uint32_t splits_waiting; /* crossings that the split budget left for the next tick */
+  uint32_t crossings_connected, crossings_loose, crossings_disconnected; /* of the whole cloth */
   fray_work work;
 } fray_output;
 
-/* Advances the world by one tick. Never fails: what does not fit a pool is left out in a
- * defined order and reported in output->faults.
- * Cost: bounded by the image (see fray_limits); independent of the clock. */
+/* Advances the world by one tick. Never fails: what exceeds a pool or a budget is skipped in a defined
+ * order, and a bit of output->faults names it. Cost: bounded by the image (fray_work_bound); independent
+ * of the clock. */
 void fray_tick(fray_world *world, const fray_input *input, fray_output *output);
 
-/* The hash that the last tick reported (at open: the hash of the state in the image). */
+/* The id of this library's physics: libraries with equal ids give the same bits. fray_info.physics_id is that
+ * of the library that wrote the image. Cost: constant. */
+uint32_t fray_physics_id(void);
+
+/* The hash that the last tick reported; after fray_open() that of the image's state. Cost: constant. */
 uint64_t fray_hash(const fray_world *world);
 
-/* Saves the world as an image: bytes needed, and the save itself.
- * Returns the bytes written, or 0 iff the buffer is smaller than fray_save_bytes(). */
+/* Bytes that fray_save() writes. Cost: constant. */
 size_t fray_save_bytes(const fray_world *world);
+/* Saves the world as an image; opening it and going on gives the same hashes. Returns the bytes written,
+ * or 0 iff the buffer is NULL or buffer_bytes < fray_save_bytes(); then it is untouched. Cost: linear in
+ * the image. */
 size_t fray_save(const fray_world *world, void *buffer, size_t buffer_bytes);
 
-/* The most work that one tick of this world can count. */
-fray_work fray_limits(const fray_world *world);
+/* The most work that any tick of this world can count. Cost: linear in batches and bodies. */
+fray_work fray_work_bound(const fray_world *world);
 
 /* ---- one tick by several workers ----
  *
- * A share divides the ticks of one world into steps, in a fixed way, for a fixed number of workers.
- * They compute what fray_tick() computes, to the last bit, whatever their number. The runtime has no
- * threads of its own: the caller gives each worker one, and in every tick worker w takes steps 0, 1,
- * ... fray_share_steps() - 1 of its own, each as soon as what it needs is there.
+ * A schedule divides the ticks of one world into steps for a fixed number of workers. They compute what
+ * fray_tick() computes, to the last bit, whatever their number. The runtime has no threads: the caller
+ * gives each worker one, and in every tick worker w runs its steps 0, 1, ... fray_parallel_steps() - 1,
+ * each as soon as its dependency is done:
  *
- *   for (uint32_t n = 0; n < fray_share_steps(share); ++n) {
- *     wait until (fray_share_need(share, w, n));          what the needed worker wrote is visible here
- *     fray_share_step(share, w, n, &input, &output);
- *     tell the others that worker w has done n + 1 steps;
+ *   for (uint32_t n = 0; n < fray_parallel_steps(p); ++n) {
+ *     wait until fray_parallel_dependency(p, w, n) is done;      acquire: writes of that worker are visible
+ *     fray_parallel_step(p, w, n, &input, &output);
+ *     publish that worker w has done n + 1 steps;                release
  *   }
  *
- * platform/linux/team.h does this with threads. Between ticks the world is as after fray_tick(): it
- * can be saved, viewed, or stepped by fray_tick(). */
-enum { FRAY_WORKERS_MAX = 16, FRAY_EVERYONE = FRAY_WORKERS_MAX, FRAY_SHARE_ALIGN = 64 };
+ * platform/linux/workers.h does this with threads. Between ticks the world is as after fray_tick(): it can
+ * be saved, viewed, or advanced by fray_tick().
+ *
+ * Context: threads; in a tick, steps of different workers run at the same time, all else as above. */
+enum { FRAY_WORKERS_MAX = 16, FRAY_ALL_WORKERS = FRAY_WORKERS_MAX, FRAY_PARALLEL_ALIGN = 64 };
 
-typedef struct fray_share fray_share;
+typedef struct fray_parallel fray_parallel;
 
-/* How many steps of which worker, or of FRAY_EVERYONE, must have been done in this tick. 0: none. */
+/* `steps` steps of `worker`, or of each of FRAY_ALL_WORKERS, must be done in this tick. 0: no dependency. */
 typedef struct {
   uint32_t worker;
   uint32_t steps;
-} fray_need;
+} fray_dependency;
 
-/* How many of so many workers are of use to this world: 1 where it is too small to be divided, or
- * its rows leave no place to cut. Cost: constant. */
-uint32_t fray_share_useful(const fray_world *world, uint32_t workers_max);
+/* How many workers are of use to this world: 1 where it is too small, or cannot be divided. workers_max: any.
+ * Cost: constant. */
+uint32_t fray_parallel_useful(const fray_world *world, uint32_t workers_max);
 
-/* Bytes of memory that a share of 1 to FRAY_WORKERS_MAX workers needs. Cost: constant. */
-size_t fray_share_bytes(const fray_world *world, uint32_t workers);
+/* Bytes of memory that a schedule needs. workers: 1..FRAY_WORKERS_MAX. Cost: constant. */
+size_t fray_parallel_memory_size(const fray_world *world, uint32_t workers);
 
-/* Plans the steps in the caller's memory, aligned to FRAY_SHARE_ALIGN. NULL iff the number of workers
- * is out of range or the memory too small or not aligned. Memory and world stay the caller's and must
- * outlive the share. Cost: linear in the structural rows. */
-fray_share *fray_share_open(fray_world *world, uint32_t workers, void *memory, size_t memory_bytes);
+/* Makes the schedule in the caller's memory, aligned to FRAY_PARALLEL_ALIGN; memory and world must outlive
+ * it. Returns NULL iff a pointer is NULL, `workers` is not in 1..FRAY_WORKERS_MAX (workers: any), or the
+ * memory is too small or not aligned. Cost: linear in the structural springs. */
+fray_parallel *fray_parallel_open(fray_world *world, uint32_t workers, void *memory, size_t memory_bytes);
 
-/* 1 iff the rows still are as they were planned. Rows that die keep the plan; where rows get other
- * ends, open the share again. Cost: linear in the structural rows. */
-int fray_share_holds(const fray_share *share);
+/* 1 iff the springs still have the ends for which the schedule was made. Breaks keep it; where springs get
+ * other ends, open it again. Cost: linear in the structural springs. */
+int fray_parallel_holds(const fray_parallel *parallel);
 
-/* The same for all workers. */
-uint32_t fray_share_steps(const fray_share *share);
-/* step 0..steps-1. Cost: constant. */
-fray_need fray_share_need(const fray_share *share, uint32_t worker, uint32_t step);
-/* Only worker 0 looks at input and output. Cost of a tick's steps, all workers together: that of
- * fray_tick(), and a few hundred instructions a step. */
-void fray_share_step(fray_share *share, uint32_t worker, uint32_t step, const fray_input *input,
-                     fray_output *output);
+/* Steps of a tick, the same for all workers. Cost: constant. */
+uint32_t fray_parallel_steps(const fray_parallel *parallel);
+/* worker < workers, step < fray_parallel_steps(). Cost: constant. */
+fray_dependency fray_parallel_dependency(const fray_parallel *parallel, uint32_t worker, uint32_t step);
+/* Runs a step. worker < workers, step < fray_parallel_steps(). Only worker 0 uses input and output; the
+ * others may pass NULL. Cost: all steps of a tick together as fray_tick(), and a few hundred instructions
+ * a step. */
+void fray_parallel_step(fray_parallel *parallel, uint32_t worker, uint32_t step, const fray_input *input,
+                        fray_output *output);
 
 /* ---- read-only views, valid until the next tick ---- */
 
 typedef struct {
-  uint32_t count;          /* particles in use */
-  uint32_t held;           /* of these, the first `held` are carried by bodies */
+  uint32_t rate_hz, substeps, iterations, lu_um;
+  uint32_t particle_mass_ng;
+  int32_t thickness;                /* of the cloth, Q24 lu */
+  int32_t tear_min_q16, tear_max_q16;
+  uint32_t tearing;                 /* 0: nothing ever tears */
+  uint64_t tick;                    /* ticks computed so far */
+  uint32_t physics_id;              /* of the library that wrote the image: fray_physics_id() */
+  uint32_t springs[3], batches[3];  /* by fray_spring_kind */
+  uint32_t bodies;
+  uint32_t particles_max, contacts_max, tears_max;
+  uint32_t splits_max;              /* split budget of a tick; 0: crossings never split */
+  uint32_t all_yarn;                /* 1: every free crossing is split from tick 0 on */
+  int32_t split_min_q16, split_max_q16; /* strain at which the ends of a spring split */
+  int32_t disconnect_distance;      /* Q24 lu: yarns farther apart are disconnected */
+  uint32_t yarn_stiffness_un;       /* force of an elastic yarn at a strain of 1, uN; 0: projection */
+  uint32_t yarn_steps;              /* elastic steps of a substep */
+  uint32_t yarn_damping_ns;
+  int32_t yarn_max_strain_q16;      /* strain from which projection holds it */
+  int32_t gravity[3];               /* Q28 lu per substep, each substep: floor */
+  uint32_t gravity_rest[3];         /* and 2^-32 of that unit */
+  uint32_t triangles, triangles_max; /* of a membrane, in use and at most; 0: woven */
+  uint32_t elastic_steps;           /* of a membrane, in a substep */
+  int32_t stiffness_q30;            /* of a membrane: fraction of the measured stiffness, 1 << 30 is all */
+  uint32_t self_pairs_max;          /* 0: no self-collision */
+  int32_t self_thickness;           /* Q24 lu: distance that self-collision keeps */
+  uint32_t hands;                   /* bit h: a body follows hand h */
+  uint8_t consumed[FRAY_HANDS];     /* counter of the last pose consumed; 0 before the first */
+} fray_info;
+
+typedef struct {
+  uint32_t count;              /* particles in use */
+  uint32_t attached;           /* of these, the first `attached` are carried by bodies */
   const int32_t *x, *y, *z;    /* Q24 lu */
   const int32_t *vx, *vy, *vz; /* Q28 lu per substep */
 } fray_particles;
 
-/* Rows of one family. A dead row keeps its ends. Ends by fray_row(). */
-/* Sheets with yarns have two rows for every diagonal; the second one is dead until an end splits. */
-typedef enum { FRAY_STRUCTURAL = 0, FRAY_BEND = 1, FRAY_SHEAR = 2 } fray_family;
-typedef struct {
-  uint32_t i, j;     /* particles */
-  int32_t rest;      /* Q24 lu */
-  uint32_t home;     /* canonical id in the weave: see fray_sheet for structural rows; bend and
-                        shear rows are numbered on behind them (rt/model/weave.h) */
-  uint8_t alive;
-  uint8_t held;      /* at least one end is carried by a body */
-  int32_t threshold; /* Q16 strain at which it is cut; structural rows only */
-} fray_row;
-
-/* The woven sheet. Crossing (warp i, weft j) is number j * warps + i. Structural springs are
- * numbered: along wefts first, (i,j)-(i+1,j) is j * (warps - 1) + i; then along warps,
- * (i,j)-(i,j+1) is wefts * (warps - 1) + j * warps + i. */
+/* The woven cloth. Crossing (warp i, weft j) has number j * warps + i. Structural springs are numbered along
+ * wefts first, (i,j)-(i+1,j) is j * (warps - 1) + i; then along warps, (i,j)-(i,j+1) is
+ * wefts * (warps - 1) + j * warps + i. All 0 for a membrane. */
 typedef struct {
   uint32_t warps, wefts;
   uint32_t weave_columns, weave_rows; /* the repeat of the weave, 1..8 each */
-  uint64_t weave; /* bit (j % rows) * 8 + (i % columns): the warp is over the weft */
-} fray_sheet;
+  uint64_t weave; /* bit (j % weave_rows) * 8 + (i % weave_columns): the warp is over the weft */
+} fray_weave;
+
+/* Cloth with yarns has two springs for every diagonal; the second is not alive until an end splits. */
+typedef enum { FRAY_STRUCTURAL = 0, FRAY_BEND = 1, FRAY_SHEAR = 2 } fray_spring_kind;
+typedef struct {
+  uint32_t i, j;     /* particles */
+  int32_t rest;      /* Q24 lu */
+  uint32_t id;       /* canonical: see fray_weave; bend and shear springs follow (rt/state/yarn_grid.h) */
+  uint8_t alive;     /* a broken spring keeps its ends */
+  uint8_t attached;  /* at least one end is carried by a body */
+  int32_t threshold; /* tear strain, Q16; structural springs only */
+} fray_spring;
 
 typedef enum {
-  FRAY_ANCHOR = 0, /* has no surface: it only holds crossings where they are */
-  FRAY_BALL = 1,
+  FRAY_ANCHOR = 0, /* no surface: particles are attached to it */
+  FRAY_SPHERE = 1,
   FRAY_BOX = 2,
-  FRAY_BAR = 3, /* a capsule along its first axis */
+  FRAY_CAPSULE = 3, /* along its first axis */
   FRAY_PLANE = 4,
-  FRAY_MESH = 5 /* see fray_view_mesh */
+  FRAY_MESH = 5 /* fray_view_mesh() */
 } fray_shape;
 typedef enum { FRAY_FIXED = 0, FRAY_PATH = 1, FRAY_HAND = 2, FRAY_FREE = 3 } fray_motion;
 typedef struct {
   fray_shape shape;
   fray_motion motion;
-  uint32_t hand;            /* for FRAY_HAND: 0 left, 1 right */
-  int32_t radius;           /* Q24 lu: ball, bar (capsule) */
-  int32_t half[3];          /* Q24 lu: box half sizes; bar: half[0] is its half length */
-  int32_t axes[9];          /* Q30, rows are the body's axes; plane: row 1 is its normal */
-  int32_t position[3];      /* Q24 lu */
-  int32_t velocity[3];      /* Q28 lu per substep */
-  int64_t impulse[3];       /* what the cloth gained from it in the last tick: Q28 lu per substep,
-                               in particle masses */
+  uint32_t hand;       /* of FRAY_HAND: 0 left, 1 right */
+  int32_t radius;      /* Q24 lu: of a sphere, a capsule; 0 of other shapes */
+  int32_t half[3];     /* Q24 lu: half sizes of a box; half[0] is a capsule's half length */
+  int32_t axes[9];     /* Q30, rows are the body's axes; row 1 is a plane's normal */
+  int32_t position[3]; /* Q24 lu */
+  int32_t velocity[3]; /* Q28 lu per substep */
+  int64_t impulse[3];  /* on the cloth in the last tick: Q28 lu per substep x particle mass */
 } fray_body;
 
-typedef struct {
-  uint32_t rate_hz, substeps, sweeps, lu_um;
-  uint32_t particle_mass_ng;
-  int32_t thickness;               /* Q24 lu */
-  int32_t tear_min_q16, tear_max_q16;
-  uint32_t tearing;                /* 0: springs are never cut */
-  uint32_t tick;                   /* ticks computed so far */
-  uint32_t rows[3];                /* by family */
-  uint32_t batches[3];
-  uint32_t bodies;
-  uint32_t particles_max, contacts_max, cuts_max;
-  uint32_t splits_max;             /* a tick; 0: a sheet without yarns, whose crossings never split */
-  uint32_t all_yarn;               /* every free crossing is a couple from tick 0 on */
-  int32_t transition_min_q16, transition_max_q16; /* strain that splits a spring's ends */
-  int32_t loose_max;               /* Q24 lu: farther apart a couple is disconnected */
-  uint32_t stretch_un;             /* force of a yarn, uN, at a strain of 1; 0: projection holds it */
-  uint32_t stretch_steps;          /* inner steps of a substep */
-  uint32_t stretch_damping_ns;
-  int32_t stretch_limit_q16;       /* strain from which on projection holds it */
-  int32_t gravity[3];              /* Q28 lu per substep, per substep: whole part (floor) */
-  uint32_t gravity_rest[3];        /* 2^-32 of that unit */
-  uint32_t triangles, triangles_max; /* in use; 0: a woven sheet */
-  uint32_t inner_steps;            /* of a triangle sheet's stress in a substep */
-  int32_t stiffness_q30;           /* of it: share of the measured stiffness, 1 << 30 is all */
-  uint32_t pairs_max;              /* segments of yarns that may meet in a tick, or parts of triangles near each
-                                      other; 0: no self-collision */
-  int32_t self_thickness;          /* Q24 lu: what meets is kept so far apart */
-  uint32_t hands;                  /* bit h: a body follows hand h */
-  uint8_t consumed[FRAY_HANDS];    /* counter of the last pose consumed; 0 before the first */
-} fray_facts;
-
-fray_facts fray_describe(const fray_world *world);
-fray_particles fray_view_particles(const fray_world *world);
-fray_sheet fray_view_sheet(const fray_world *world);
-fray_row fray_view_row(const fray_world *world, fray_family family, uint32_t row);
-fray_body fray_view_body(const fray_world *world, uint32_t body);
-
-/* The triangles of a body of shape FRAY_MESH, constant. Places are Q24 lu from the body's position;
- * meshes do not turn. Sharp points and edges are those that cut. */
+/* Triangles of a body of shape FRAY_MESH, constant: Q24 lu from the body's position; meshes do not turn.
+ * Sharp points and edges cut. */
 typedef struct {
   uint32_t points, edges, faces;
   const int32_t *point; /* 5 words each: x, y, z, sharp, one of its faces */
-  const int32_t *edge;  /* 5 words: two points, two faces (the second -1 at a border), sharp */
-  const int32_t *face;  /* 7 words: three points, anticlockwise from outside; the normal, Q30; of which of
-                           its sides it is an edge's first face, a bit each */
+  const int32_t *edge;  /* 5 words: two points, two faces (the second -1 at a boundary), sharp */
+  const int32_t *face;  /* 7 words: three points, anticlockwise from outside; unit normal, Q30;
+                           bit k: it is the first face of its edge k */
 } fray_mesh;
-/* Returns 0 where the body is no mesh; *mesh is then empty. */
-int fray_view_mesh(const fray_world *world, uint32_t body, fray_mesh *mesh);
-uint32_t fray_particle_at(const fray_world *world, uint32_t crossing);
 
-/* The yarns of a crossing (Metaaphanon 2009, section 3.3). A whole crossing is one particle of the
- * base cloth; any other is a couple of a weft and a warp particle, each with half the mass. */
+/* The yarns of a crossing (Metaaphanon 2009, section 3.3). A whole crossing is one particle; a split one
+ * is a weft and a warp particle, each with half the mass. */
 typedef enum {
   FRAY_WHOLE = 0,
-  FRAY_CONNECTED = 1,   /* held together: all-yarn sheets only */
+  FRAY_CONNECTED = 1,   /* split, held together: all-yarn cloth only */
   FRAY_LOOSE = 2,       /* the yarns slide over each other */
   FRAY_DISCONNECTED = 3 /* the yarns have come apart for good */
-} fray_couple;
+} fray_crossing_state;
 typedef enum { FRAY_WEFT = 0, FRAY_WARP = 1 } fray_axis;
-fray_couple fray_couple_at(const fray_world *world, uint32_t crossing);
-/* The particle that the yarn has there: of whole crossings the one of fray_particle_at, which is also
- * the weft's afterwards. */
-uint32_t fray_particle_of(const fray_world *world, uint32_t crossing, fray_axis axis);
-/* The body that carries a held particle (particle < held). */
-uint32_t fray_holder(const fray_world *world, uint32_t particle);
 
-/* A triangle of a triangle sheet, from 0 to fray_describe().triangles - 1: its vertices are particles,
- * anticlockwise in rest coordinates; side k is opposite vertex k. */
-typedef enum { FRAY_SIDE_WHOLE = 0, FRAY_SIDE_TORN = 1, FRAY_SIDE_CUT = 2 } fray_side;
+/* A triangle of a membrane: vertices are particles, anticlockwise in rest coordinates; edge k is opposite
+ * vertex k. */
+typedef enum { FRAY_EDGE_INTACT = 0, FRAY_EDGE_TORN = 1, FRAY_EDGE_CUT = 2 } fray_edge;
 typedef struct {
   uint32_t vertex[3];
-  int32_t u[3], v[3];      /* Q24 lu: rest coordinates, along weft and warp */
-  int32_t stress[3];       /* uu, vv, uv, Q12 N/m: now */
-  uint8_t border[3];       /* no triangle beyond that side */
-  uint8_t side[3];         /* fray_side: what made that border */
-  uint8_t cloth;
+  int32_t u[3], v[3];  /* Q24 lu: rest coordinates, along weft and warp */
+  int32_t stress[3];   /* uu, vv, uv, Q12 N/m: now */
+  uint8_t boundary[3]; /* 1: no triangle beyond that edge */
+  uint8_t edge[3];     /* fray_edge: what made that boundary */
+  uint8_t material;
 } fray_triangle;
-fray_triangle fray_view_triangle(const fray_world *world, uint32_t triangle);
 
-/* One pool of the memory plan: `index` from 0; returns 0 past the last. */
+/* One pool of the memory plan. */
 typedef struct {
   const char *name;
   uint32_t count;
@@ -383,6 +406,31 @@ typedef struct {
   uint32_t in_place; /* used from the image, no memory taken */
   uint32_t constant; /* never changes after the image was built */
 } fray_pool;
+
+/* Sizes, budgets and parameters. Cost: constant. */
+fray_info fray_get_info(const fray_world *world);
+/* Cost: constant. */
+fray_particles fray_view_particles(const fray_world *world);
+fray_weave fray_view_weave(const fray_world *world);
+/* Woven worlds. spring < fray_get_info().springs[kind]. Cost: constant. */
+fray_spring fray_view_spring(const fray_world *world, fray_spring_kind kind, uint32_t spring);
+/* Woven worlds. crossing < warps x wefts. Cost: constant. */
+fray_crossing_state fray_crossing_state_at(const fray_world *world, uint32_t crossing);
+/* The particle of a crossing; of a split one that of the weft. Woven worlds; crossing < warps x wefts. Cost:
+ * constant. */
+uint32_t fray_crossing_particle(const fray_world *world, uint32_t crossing);
+/* The particle of a yarn at a crossing. Woven worlds; crossing < warps x wefts. Cost: constant. */
+uint32_t fray_yarn_particle(const fray_world *world, uint32_t crossing, fray_axis axis);
+/* The body that carries a particle. particle < fray_view_particles().attached. Cost: constant. */
+uint32_t fray_attached_body(const fray_world *world, uint32_t particle);
+/* body < fray_get_info().bodies. Cost: constant. */
+fray_body fray_view_body(const fray_world *world, uint32_t body);
+/* Returns 0 where the body is no mesh; *mesh is then empty. body < fray_get_info().bodies. Cost: linear in
+ * the meshes of the world. */
+int fray_view_mesh(const fray_world *world, uint32_t body, fray_mesh *mesh);
+/* Membranes. triangle < fray_get_info().triangles. Cost: a few hundred instructions. */
+fray_triangle fray_view_triangle(const fray_world *world, uint32_t triangle);
+/* Returns 0 past the last pool; *pool is then untouched. index: any, from 0. Cost: linear in the pools. */
 int fray_view_pool(const fray_world *world, uint32_t index, fray_pool *pool);
 
 #ifdef __cplusplus

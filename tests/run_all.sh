@@ -1,10 +1,10 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# run_all.sh PROGRAM...: runs the test programs, JOBS at a time, then the shell suites that SUITES names,
-# one by one: they share builds. A line a suite as it ends; the output of a failing one; last one line
-# `N passed, N failed`.
+# run_all.sh PROGRAM...: runs the shell suites that SUITES names and the test programs, JOBS at a time; suites that
+# share builds one after the other, and these begin first. A line a suite as it ends; the output of a failing one;
+# last one line `N passed, N failed`.
 set -eu
-SUITES=${SUITES:-tidy cli workers hashes images symbols stack size budget_rules cmac_constant dbc_readers consumer}
+SUITES=${SUITES:-tidy cli workers hashes images symbols stack size budget_rules cmac_constant dbc_readers other_logs install docs adding parts}
 FRAY_BUILD=${BUILD:-build}
 FRAY=${FRAY:-$FRAY_BUILD/fray}
 RESULTS=$FRAY_BUILD/tests/results
@@ -15,7 +15,7 @@ mkdir -p "$RESULTS"
 : >"$RESULTS/counts"
 
 script_of() {
-  for script in "tests/$1.sh" "tests/$1/$1.sh" "tests/cross/$1.sh" "tests/bus/$1.sh"; do
+  for script in "tests/$1.sh" "tests/$1/$1.sh" "tests/determinism/$1.sh" "tests/budget/$1.sh" "tests/proof/$1.sh" "tests/bus/$1.sh"; do
     if [ -f "$script" ]; then
       echo "$script"
       return
@@ -25,15 +25,33 @@ script_of() {
   exit 2
 }
 
-suites=0
-[ $# -eq 0 ] || printf '%s\n' "$@" | xargs -P "${JOBS:-2}" -I PROGRAM sh -c '
-  sh tests/run_suite.sh "${1#"$FRAY_BUILD"/}" "./${1#./}"' one PROGRAM || true
-for suite in $SUITES; do
-  script=$(script_of "$suite")
-  sh tests/run_suite.sh "$suite" sh "$script"
-  suites=$((suites + 1))
-done
+# The suites of WORDS that are asked for: a line, NAME SCRIPT of each
+chain() {
+  for suite; do
+    case " $SUITES " in *" $suite "*) ;; *) continue ;; esac
+    script=$(script_of "$suite") || exit
+    printf '%s %s ' "$suite" "$script"
+  done
+  echo
+}
+chains() {
+  chain hashes images symbols
+  chain stack size
+  chain install docs
+  for suite in $SUITES; do
+    case $suite in hashes | images | symbols | stack | size | install | docs) ;; *) chain "$suite" ;; esac
+  done
+  for program; do echo "${program#"$FRAY_BUILD"/} ./${program#./}"; done
+}
+chains "$@" >"$RESULTS/chains"
+asked=$(wc -w <"$RESULTS/chains")
+grep . "$RESULTS/chains" | xargs -P "${JOBS:-2}" -I CHAIN sh -c '
+  set -- $1
+  while [ $# -gt 0 ]; do
+    case $2 in *.sh) sh tests/run_suite.sh "$1" sh "$2" ;; *) sh tests/run_suite.sh "$1" "$2" ;; esac
+    shift 2
+  done' one CHAIN || true
 cat "$RESULTS/not_run"
-awk -v asked=$(($# + suites)) '
+awk -v asked=$((asked / 2)) '
   { good += $1; bad += $2 }
   END { bad += asked - NR; printf "%d passed, %d failed\n", good, bad; exit bad != 0 }' "$RESULTS/counts"

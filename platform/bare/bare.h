@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A machine without an operating system: what its start-up code, its clock and its stack give.
+/* A machine without an operating system: its start-up code, its tick and its stack.
  * The linker script (linker/) names the memory. */
-#ifndef FRAY_PLATFORM_BARE_H
-#define FRAY_PLATFORM_BARE_H
+#ifndef FRAY_PLATFORM_BARE_BARE_H
+#define FRAY_PLATFORM_BARE_BARE_H
 
 #include <stdint.h>
 
@@ -28,11 +28,11 @@ uint32_t bare_stack_used(void);
  * The clock has 1,000 counts a tick at least and, for SysTick, 2^24 at most. */
 void tick_begin(uint32_t clock_hz, uint32_t rate_hz);
 
-/* Sleeps until the next tick of the grid, and returns at once where that is past already; returns
- * how many ticks of the grid passed by since the last call. They are not caught up. */
+/* Sleeps until the next tick of the grid, or returns at once if it has passed. Returns the number of ticks
+ * that were missed since the last call; they are not repeated. */
 int32_t tick_wait(void);
 
-/* Counts of the clock since the tick that tick_wait() last gave was due, for figures only. */
+/* Counts of the clock since the due time of the current tick; for figures only. */
 uint32_t tick_spent(void);
 
 /* For a loop that must stay a loop: compilers make calls of memcpy and memset of such loops. */

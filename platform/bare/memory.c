@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a freestanding compiler may call for copies and initialisers; nothing else of a libc. */
+/* The functions that a freestanding compiler may call for copies and initialisers; nothing else of a libc. */
 #include <stddef.h>
 #include <stdint.h>
 

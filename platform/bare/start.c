@@ -13,7 +13,7 @@ enum { PAINT = 0x5AA5C33C };
 /* Words below the frame that the painting leaves alone: its own registers and its caller's. */
 enum { KEPT = 32 };
 
-/* The linker's symbols are ends of one memory, the compiler takes them for objects of their own. */
+/* The linker's symbols are the ends of one memory; a compiler takes them for separate objects. */
 static inline int below(const uint32_t *word, const uint32_t *end) {
   return (uintptr_t)word < (uintptr_t)end;
 }
@@ -67,7 +67,7 @@ static void print_fault(uint32_t cause) {
   platform_print(" bytes\n");
 }
 
-/* A console that faults must not keep the board from its exit, nor an exit that faults go round. */
+/* A console that faults must not keep the board from its exit, and an exit that faults must not loop. */
 _Noreturn void bare_fault(uint32_t cause) {
   static uint32_t faults;
   const uint32_t before = faults++;

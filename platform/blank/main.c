@@ -6,7 +6,7 @@
 extern const uint8_t image[];
 extern const uint32_t image_bytes;
 
-enum { CLOCK_HZ = 25000000, WORLD_BYTES = 8192 }; /* your clock; what fray_bytes() says */
+enum { CLOCK_HZ = 25000000, WORLD_BYTES = 8192 }; /* your clock; what fray_memory_size() says */
 
 _Alignas(FRAY_ALIGN) static uint8_t memory[WORLD_BYTES];
 static loop the_loop;
@@ -21,7 +21,7 @@ int main(void) {
     return 1;
   }
   loop_begin(&the_loop, world, 0);
-  tick_begin(CLOCK_HZ, fray_describe(world).rate_hz);
+  tick_begin(CLOCK_HZ, fray_get_info(world).rate_hz);
   while (loop_run(&the_loop) != LOOP_STOPPED) {
   }
   return 0;

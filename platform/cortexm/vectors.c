@@ -20,7 +20,7 @@ __attribute__((section(".vectors"), used)) static const struct {
               fault_handler, fault_handler, 0, 0, 0, fault_handler, fault_handler, 0,
               fault_handler, systick_handler}};
 
-/* The stack may be what failed: back to its top before anything is stored. IPSR names the
+/* The stack itself may have failed: it is set to its top before anything is stored. IPSR names the
  * exception: 3 HardFault, 4 MemManage, 5 BusFault, 6 UsageFault. */
 __attribute__((naked)) static void fault_handler(void) {
   __asm__ volatile(

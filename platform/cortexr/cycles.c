@@ -6,7 +6,7 @@
 enum { ENABLE = 1, RESET_CYCLES = 4 };
 
 static uint32_t turn;  /* counts of a tick */
-static uint32_t began; /* count at which the tick that was last given was due */
+static uint32_t began; /* count at which the current tick was due */
 
 static uint32_t cycles(void) {
   uint32_t count;

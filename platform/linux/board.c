@@ -12,11 +12,12 @@
 
 /* Waits of 100 us; more of them fit into PLATFORM_CONFIRM_US only when they return at once. The cap is
  * for a clock that stands still. */
-enum { READS_PER_SYNC = 1024, WAITS_PER_SYNC = 4096, QUIET_US = 5000, WAITS_TO_CLOSE = 4096 };
+enum { READS_PER_SYNC = 1024, WAITS_PER_SYNC = 4096, QUIET_US = 5000, WAITS_TO_CLOSE = 4096,
+       PAUSE_US = 20000, PAUSES = 60 /* and more than a second, the longest tick */ };
 
 board linux_board;
 
-int board_open(const char *interface, uint32_t instance, uint32_t rate_hz, int fd, int log_fd) {
+int board_open(const char *interface, uint32_t instance, uint32_t rate_hz, int fd, bus_log *log) {
   can_setting setting;
   memset(&linux_board, 0, sizeof linux_board);
   memset(&setting, 0, sizeof setting);
@@ -24,7 +25,7 @@ int board_open(const char *interface, uint32_t instance, uint32_t rate_hz, int f
     setting.ids[setting.count++] = (uint16_t)dictionary_id((dictionary_message)m, instance);
   setting.fd = 1;
   setting.sends_fd = fd;
-  bus_log_begin(&linux_board.log, log_fd);
+  linux_board.log = log;
   if (!can_open(&linux_board.can, interface, &setting)) return 0;
   timer_begin(&linux_board.timer, rate_hz);
   return 1;
@@ -32,9 +33,9 @@ int board_open(const char *interface, uint32_t instance, uint32_t rate_hz, int f
 
 static void write_log(const frame *f, int64_t time_us) {
   char line[CANDUMP_TEXT];
-  if (linux_board.log.fd < 0) return;
+  if (linux_board.log == NULL) return;
   const size_t bytes = candump_format(line, linux_board.can.name, time_us, f);
-  bus_log_line(&linux_board.log, line, bytes);
+  bus_log_line(linux_board.log, line, bytes);
 }
 
 static int send_frame(const frame *f) {
@@ -60,13 +61,15 @@ void board_close(int64_t timeout_us) {
     (void)can_wait(&linux_board.can, QUIET_US);
     ++waits;
   }
-  bus_log_end(&linux_board.log);
+  if (linux_board.log != NULL) bus_log_end(linux_board.log);
   can_close(&linux_board.can);
 }
 
+/* While the bus is lost there is no grid to keep, and a signal ends the wait for the next try at any rate. */
 int32_t platform_wait(void) {
-  if (linux_board.stopping) return -1;
-  return timer_wait(&linux_board.timer);
+  for (int n = 0; n < PAUSES && linux_board.lost && !linux_board.stopping; ++n)
+    if (!timer_sleep(&linux_board.timer, PAUSE_US)) break;
+  return linux_board.lost && linux_board.stopping ? -1 : timer_wait(&linux_board.timer);
 }
 
 static int same_frame(const frame *a, const frame *b) {
@@ -75,7 +78,7 @@ static int same_frame(const frame *a, const frame *b) {
 
 /* Everything up to the echo of the SYNC. Frames behind the cap stay in the socket's buffer. The time
  * runs from the first try to send: a process that was not run before it has lost nothing. */
-platform_result platform_sync(const frame *sync, port *p) {
+static platform_result confirm(const frame *sync, port *p) {
   int sent = send_frame(sync);
   const int64_t end_ns = timer_now_ns() + PLATFORM_CONFIRM_US * 1000;
   frame f;
@@ -99,6 +102,12 @@ platform_result platform_sync(const frame *sync, port *p) {
   } while (reads < READS_PER_SYNC && waits < WAITS_PER_SYNC);
   if (reads == READS_PER_SYNC) ++linux_board.reads_capped;
   return PLATFORM_LOST;
+}
+
+platform_result platform_sync(const frame *sync, port *p) {
+  const platform_result result = confirm(sync, p);
+  linux_board.lost = result != PLATFORM_SENT;
+  return result;
 }
 
 platform_result platform_send(const frame *f) {

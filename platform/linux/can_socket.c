@@ -49,7 +49,7 @@ static int set_options(const can_socket *s, const can_setting *setting) {
              : 0;
 }
 
-/* Where the interface is, and that it takes what will be sent. */
+/* Finds the interface and checks that it can send the frames that will be sent. */
 static int find_interface(can_socket *s, const can_setting *setting, int *index) {
   struct ifreq request;
   memset(&request, 0, sizeof request);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A raw SocketCAN socket: non-blocking, with exact filters, its own frames echoed back, error
  * frames, and the kernel's drop counter. */
-#ifndef FRAY_LINUX_CAN_SOCKET_H
-#define FRAY_LINUX_CAN_SOCKET_H
+#ifndef FRAY_PLATFORM_LINUX_CAN_SOCKET_H
+#define FRAY_PLATFORM_LINUX_CAN_SOCKET_H
 
 #include <stdint.h>
 
@@ -15,8 +15,8 @@ typedef struct {
   char name[16];         /* of the interface */
   uint8_t bus_off;       /* seen bus-off and no restart yet */
   uint8_t down;          /* the interface is down or gone */
-  uint32_t kernel_drops; /* frames that the kernel dropped for want of buffer, since open */
-  uint32_t error_frames;
+  uint32_t kernel_drops; /* frames that the kernel dropped for want of buffer, since open; its count wraps */
+  uint64_t error_frames;
   uint32_t send_full;    /* ENOBUFS and EAGAIN */
   uint32_t faults;       /* any other failed call */
 } can_socket;
@@ -30,7 +30,7 @@ typedef struct {
 
 typedef enum {
   CAN_NOTHING,  /* no frame now */
-  CAN_RECEIVED, /* another's frame */
+  CAN_RECEIVED, /* a frame of another node */
   CAN_ECHO,     /* one of this socket's own: it is on the bus */
   CAN_ERROR     /* an error frame; bus_off and down are up to date */
 } can_event;

@@ -24,6 +24,6 @@ fray_kernel cpu_use_best(fray_world *world) {
   static const fray_kernel fastest_first[] = {FRAY_KERNEL_AVX512, FRAY_KERNEL_AVX2,
                                               FRAY_KERNEL_NEON};
   for (unsigned n = 0; n < sizeof fastest_first / sizeof *fastest_first; ++n)
-    if (cpu_has(fastest_first[n]) && fray_use(world, fastest_first[n])) return fastest_first[n];
+    if (cpu_has(fastest_first[n]) && fray_set_kernel(world, fastest_first[n])) return fastest_first[n];
   return FRAY_KERNEL_SCALAR;
 }

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the processor can do. */
+/* SIMD kernels that this processor can run. */
 #ifndef FRAY_PLATFORM_LINUX_CPU_H
 #define FRAY_PLATFORM_LINUX_CPU_H
 
 #include "rt/fray.h"
 
-/* Whether this processor has a kernel's instructions; that the build has it is for fray_use(). */
+/* Returns 1 iff this processor has a kernel's instructions; fray_set_kernel() says whether the build has
+ * it. */
 int cpu_has(fray_kernel kernel);
-/* Gives a world the fastest kernel that both have; returns which. */
+/* Sets a world's kernel to the fastest that processor and build have, and returns it. */
 fray_kernel cpu_use_best(fray_world *world);
 
 #endif

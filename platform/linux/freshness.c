@@ -21,16 +21,16 @@ enum { TEXT = 1024, POLL_MS = 50, STACK = 1 << 17 };
 /* Above this a sender's store is due at once. */
 enum { NEAR = FRESHNESS_AHEAD / 2 };
 
-static uint32_t sum_up_to(uint32_t a, uint32_t b, uint32_t most) {
-  return b > most || a > most - b ? most : a + b;
+static uint32_t sum_up_to(uint32_t a, uint32_t b, uint32_t max) {
+  return b > max || a > max - b ? max : a + b;
 }
 
-/* The text without its numbers says what it is for; `values` are those of the lanes, in order. */
+/* The text names its end, form and instance; `values` are the numbers of the lanes, in order. */
 static size_t format(const freshness *s, const uint32_t *values, char text[TEXT]) {
   uint8_t tag[CMAC_BLOCK];
   size_t at = (size_t)snprintf(text, TEXT, "fray freshness 1\n%s %s instance %u\n",
-                               s->g->end == GUARD_RUNTIME ? "runtime" : "device",
-                               s->g->form == GUARD_FD ? "fd" : "classic", s->g->instance);
+                               s->g->end == AUTH_GATE_RUNTIME ? "runtime" : "device",
+                               s->g->form == AUTH_GATE_FD ? "fd" : "classic", s->g->instance);
   for (uint32_t n = 0; n < s->count; ++n)
     at += (size_t)snprintf(text + at, TEXT - at, "%s %03X %u\n",
                            s->lanes[n].lane.sends ? "sent" : "accepted",
@@ -66,24 +66,26 @@ static int sync_folder(const char *file) {
   return good;
 }
 
-/* Instead of the file that was held before; -1: none. */
+/* Replaces the file that was held; -1: none. */
 static void hold(freshness *s, int file) {
   if (s->held >= 0) close(s->held);
   s->held = file;
 }
 
-/* One that lost its name since it was opened is an old one of somebody who stores. */
+/* A file that lost its name since it was opened was replaced by another process that stores. */
 static int is_anothers(int file) {
   struct stat status;
   if (flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return 1;
   return fstat(file, &status) == 0 && status.st_nlink == 0;
 }
 
-/* Returns 0, or an errno. */
+/* Returns 0, or an errno. What has the name of the new file, left behind or put there, is removed and never written
+ * through. */
 static int store(freshness *s, const uint32_t *values) {
   char text[TEXT];
   const size_t bytes = format(s, values, text);
-  const int out = open(s->fresh, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+  if (unlink(s->fresh) != 0 && errno != ENOENT) return errno;
+  const int out = open(s->fresh, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
   if (out < 0) return errno;
   (void)flock(out, LOCK_EX | LOCK_NB); /* a file system without locks is as good as none */
   errno = EIO;
@@ -97,9 +99,9 @@ static int store(freshness *s, const uint32_t *values) {
   return sync_folder(s->file) ? 0 : errno;
 }
 
-/* What the file is to say now, and once it does, how far the senders may go. */
+/* The numbers to store now; once they are stored, the limits of the senders. */
 static int store_ahead(freshness *s) {
-  uint32_t values[GUARD_LANES];
+  uint32_t values[AUTH_GATE_LANES];
   for (uint32_t n = 0; n < s->count; ++n) {
     const uint32_t used = atomic_load(&s->lanes[n].used);
     values[n] = s->lanes[n].lane.sends ? sum_up_to(used, FRESHNESS_AHEAD, s->lanes[n].end) : used;
@@ -144,7 +146,7 @@ static void *run_writer(void *context) {
   return NULL;
 }
 
-/* Without signals: they are the loop's. A small stack, since a real-time process locks it. */
+/* The thread blocks all signals: they are the loop's. A small stack, since a real-time process locks it. */
 static int start_writer(freshness *s) {
   pthread_attr_t attributes;
   sigset_t all, before;
@@ -158,14 +160,16 @@ static int start_writer(freshness *s) {
   return s->running;
 }
 
-/* Reads the numbers that stand where format() would put them, then wants format()'s very text. */
+/* Reads the numbers at the places where format() writes them; the whole text must equal format()'s. */
 static int parse(freshness *s, const char *text, size_t bytes, candump_error *error) {
-  uint32_t values[GUARD_LANES] = {0};
+  uint32_t values[AUTH_GATE_LANES] = {0};
   char again[TEXT];
   const char *at = text;
   for (uint32_t n = 0; n < s->count + 1; ++n) {
     at = strchr(at, '\n');
-    if (at == NULL) return candump_fail(error, s->file, 0, 0, "not a file of freshness, expected one that --freshness wrote, or none");
+    if (at == NULL)
+      return candump_fail(error, s->file, 0, 0,
+                          "not a file of freshness, expected one that --freshness wrote, or none");
     at += 1;
     const char *end = strchr(at, '\n');
     const char *number = end;
@@ -234,17 +238,17 @@ static int begin(freshness *s, candump_error *error) {
   return start_writer(s) || candump_fail(error, s->file, 0, 0, "no thread for its writer");
 }
 
-int freshness_open(freshness *s, const char *file, guard *g, const cmac_key *key,
+int freshness_open(freshness *s, const char *file, auth_gate *g, const cmac_key *key,
                    candump_error *error) {
-  guard_lane lanes[GUARD_LANES];
+  auth_gate_lane lanes[AUTH_GATE_LANES];
   memset(s, 0, sizeof *s);
   s->held = -1;
   s->key = key;
   s->g = g;
-  s->count = guard_lanes(g, lanes);
+  s->count = auth_gate_lanes(g, lanes);
   for (uint32_t n = 0; n < s->count; ++n) {
     s->lanes[n].lane = lanes[n];
-    s->lanes[n].end = *lanes[n].most;
+    s->lanes[n].end = *lanes[n].max;
   }
   if ((size_t)snprintf(s->file, sizeof s->file, "%s", file) >= sizeof s->file) {
     return candump_fail(error, "", 0, 0, "the name of the file of freshness is too long");
@@ -259,14 +263,14 @@ void freshness_exchange(freshness *s) {
   for (uint32_t n = 0; n < s->count; ++n) {
     freshness_lane *l = &s->lanes[n];
     atomic_store(&l->used, *l->lane.last);
-    if (l->lane.sends) *l->lane.most = atomic_load(&l->allowed);
+    if (l->lane.sends) *l->lane.max = atomic_load(&l->allowed);
   }
 }
 
 int freshness_failed(const freshness *s) { return atomic_load(&s->failed); }
 
 int freshness_close(freshness *s) {
-  uint32_t values[GUARD_LANES];
+  uint32_t values[AUTH_GATE_LANES];
   if (!s->running) return 1;
   atomic_store(&s->stop, 1);
   (void)pthread_join(s->writer, NULL);

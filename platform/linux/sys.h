@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Every system call of the live loop and of opening its socket, by one name each. A build with
- * FRAY_SYS_FAULTS leaves them to a test (tests/sim/sys_faults.c): a kernel of its own, in virtual
- * time, whose n-th call can fail. */
-#ifndef FRAY_LINUX_SYS_H
-#define FRAY_LINUX_SYS_H
+ * FRAY_SYS_FAULTS leaves them to a test (tests/sim/sys_faults.c), which simulates a kernel in virtual time;
+ * any call of it can fail. */
+#ifndef FRAY_PLATFORM_LINUX_SYS_H
+#define FRAY_PLATFORM_LINUX_SYS_H
 
 #include <errno.h>
 #include <net/if.h>
@@ -27,6 +27,7 @@ int sys_poll(struct pollfd *fds, nfds_t count, const struct timespec *timeout);
 int sys_sleep_until(const struct timespec *when);
 int sys_now(struct timespec *now);
 ssize_t sys_log(int fd, const char *text, size_t bytes);
+int sys_log_sync(int fd);
 #else
 static inline int sys_socket(int domain, int type, int protocol) {
   return socket(domain, type, protocol);
@@ -67,6 +68,7 @@ static inline int sys_now(struct timespec *now) { return clock_gettime(CLOCK_MON
 static inline ssize_t sys_log(int fd, const char *text, size_t bytes) {
   return write(fd, text, bytes);
 }
+static inline int sys_log_sync(int fd) { return fdatasync(fd); }
 #endif
 
 #endif

@@ -52,10 +52,18 @@ int32_t timer_wait(timer_grid *t) {
   return missed;
 }
 
+int timer_sleep(const timer_grid *t, int64_t us) {
+  const int64_t end_ns = timer_now_ns() + us * 1000;
+  if (end_ns >= t->next_ns) return 0;
+  const struct timespec when = {(time_t)(end_ns / 1000000000), (long)(end_ns % 1000000000)};
+  (void)sys_sleep_until(&when);
+  return 1;
+}
+
 double timer_quantile_us(const timer_grid *t, double share) {
-  const double wanted = share * t->waits;
+  const double wanted = share * (double)t->waits;
   double seen = 0.0;
   uint32_t bin = 0;
-  while (bin + 1 < TIMER_BINS && seen + t->lateness[bin] < wanted) seen += t->lateness[bin++];
+  while (bin + 1 < TIMER_BINS && seen + (double)t->lateness[bin] < wanted) seen += (double)t->lateness[bin++];
   return (bin + 1) * (BIN_NS / 1000.0);
 }

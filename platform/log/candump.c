@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "platform/log/candump.h"
 
-#include <errno.h>
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "platform/files/input_file.h"
 
 enum { SECOND_DIGITS_MAX = 12, NAME_MAX_BYTES = 15 };
 
@@ -21,9 +22,29 @@ static int expect(cursor *c, const char *expected) {
   return 0;
 }
 
+static char peek(const cursor *c) {
+  if (c->at == c->bytes) return 0;
+  return c->text[c->at];
+}
+
 static int take(cursor *c, char wanted, const char *expected) {
   if (c->at == c->bytes || c->text[c->at] != wanted) return expect(c, expected);
   c->at += 1;
+  return 1;
+}
+
+/* At least one. */
+static int take_spaces(cursor *c, const char *expected) {
+  if (!take(c, ' ', expected)) return 0;
+  while (peek(c) == ' ') c->at += 1;
+  return 1;
+}
+
+/* Returns 1 iff the word stands here, and passes it. */
+static int skip_word(cursor *c, const char *word) {
+  const size_t bytes = strlen(word);
+  if (c->bytes - c->at < bytes || memcmp(c->text + c->at, word, bytes) != 0) return 0;
+  c->at += bytes;
   return 1;
 }
 
@@ -60,7 +81,7 @@ static int parse_time(cursor *c, int64_t *time_us) {
   if (take_decimal(c, 6, &micros) != 6) return expect(c, "6 digits of microseconds");
   if (!take(c, ')', "')' after 6 digits of microseconds")) return 0;
   *time_us = seconds * 1000000 + micros;
-  return take(c, ' ', "one space after the time");
+  return take_spaces(c, "a space after the time");
 }
 
 static int parse_name(cursor *c) {
@@ -71,7 +92,19 @@ static int parse_name(cursor *c) {
     bytes += 1;
   }
   if (bytes == 0) return expect(c, "the name of an interface");
-  return take(c, ' ', "one space after the interface's name (15 characters at most)");
+  return take_spaces(c, "a space after the interface's name (15 characters at most)");
+}
+
+/* `candump -x`: the direction, then BRS and ESI of an FD frame. */
+static int parse_direction(cursor *c, frame *f) {
+  if (!skip_word(c, "RX ") && !skip_word(c, "TX ")) return 1;
+  static const char *const FLAGS[] = {"- -", "B -", "- E", "B E"};
+  for (int n = 0; n < 4; ++n) {
+    if (!skip_word(c, FLAGS[n])) continue;
+    f->fd = (uint8_t)((n & 1 ? FRAME_FD_BRS : 0) | (n & 2 ? FRAME_FD_ESI : 0));
+    return take_spaces(c, "a space after the direction and its flags");
+  }
+  return expect(c, "'- -', 'B -', '- E' or 'B E' after the direction");
 }
 
 static int parse_id(cursor *c, frame *f) {
@@ -94,11 +127,17 @@ static int parse_id(cursor *c, frame *f) {
   f->extended = digits == 8;
   f->error = (id & 0x20000000u) != 0;
   f->id = id & FRAME_ID_EXTENDED_MAX;
-  return take(c, '#', digits == 8 ? "'#' after an id of 8 digits" : "'#' after an id of 3 digits");
+  if (peek(c) == '#' || peek(c) == ' ') return 1;
+  return expect(c, digits == 8 ? "'#' after an id of 8 digits" : "'#' after an id of 3 digits");
 }
 
+/* The end of the line, or ` R` or ` T`: received, sent. */
 static int parse_end(cursor *c, const char *expected) {
-  return c->at == c->bytes ? 1 : expect(c, expected);
+  if (c->at == c->bytes) return 1;
+  if (!take(c, ' ', expected)) return 0;
+  if (peek(c) != 'R' && peek(c) != 'T') return expect(c, "'R' or 'T' (received, sent) after the space");
+  c->at += 1;
+  return c->at == c->bytes ? 1 : expect(c, "the end of the line after the direction");
 }
 
 static int parse_data(cursor *c, frame *f, size_t most, const char *too_long) {
@@ -122,6 +161,8 @@ static int fd_length(size_t bytes) {
          bytes == 48 || bytes == 64;
 }
 
+static const char FD_LENGTHS[] = "0 to 8, 12, 16, 20, 24, 32, 48 or 64 bytes";
+
 static int parse_fd(cursor *c, frame *f) {
   const int flags = peek_hex(c);
   if (flags < 0) return expect(c, "a hex digit of flags after '##'");
@@ -130,33 +171,95 @@ static int parse_fd(cursor *c, frame *f) {
   c->at += 1;
   f->fd = (uint8_t)(flags | FRAME_FD);
   if (!parse_data(c, f, FRAME_DATA, "the end of the line after 64 bytes")) return 0;
-  if (!fd_length(f->length)) return expect(c, "0 to 8, 12, 16, 20, 24, 32, 48 or 64 bytes");
-  return 1;
+  return fd_length(f->length) ? 1 : expect(c, FD_LENGTHS);
 }
 
 static int parse_request(cursor *c, frame *f) {
   if (f->error) return expect(c, "data: an error frame is no remote request");
   c->at += 1;
   f->rtr = 1;
-  if (c->at < c->bytes) {
-    if (c->text[c->at] < '0' || c->text[c->at] > '8') {
-      return expect(c, "the end of the line or a length of 0 to 8 after 'R'");
-    }
+  if (c->at < c->bytes && peek(c) != ' ') {
+    if (peek(c) < '0' || peek(c) > '8') return expect(c, "the end of the line or a length of 0 to 8 after 'R'");
     f->length = (uint8_t)(c->text[c->at] - '0');
     c->at += 1;
   }
   return parse_end(c, "the end of the line after a remote request");
 }
 
-static int parse_frame(cursor *c, candump_entry *entry) {
-  frame *f = &entry->frame;
-  if (!parse_time(c, &entry->time_us) || !parse_name(c) || !parse_id(c, f)) return 0;
-  if (c->at < c->bytes && c->text[c->at] == '#') {
+static int parse_compact(cursor *c, frame *f) {
+  c->at += 1;
+  if (peek(c) == '#') {
     c->at += 1;
     return parse_fd(c, f);
   }
-  if (c->at < c->bytes && c->text[c->at] == 'R') return parse_request(c, f);
+  if (peek(c) == 'R') return parse_request(c, f);
   return parse_data(c, f, FRAME_DATA_CLASSIC, "the end of the line after 8 bytes");
+}
+
+/* `[8]`, or `[08]` of an FD frame. */
+static int parse_length(cursor *c, frame *f) {
+  int64_t length;
+  if (!take(c, '[', "'[' and the number of bytes")) return 0;
+  const size_t digits = take_decimal(c, 2, &length);
+  if (digits == 0) return expect(c, "the number of bytes after '['");
+  if (digits == 1 ? length > FRAME_DATA_CLASSIC : !fd_length((size_t)length))
+    return expect(c, digits == 1 ? "0 to 8 bytes" : FD_LENGTHS);
+  if (digits == 2 && f->error) return expect(c, "one digit of length: an error frame is a classic frame");
+  f->fd = (uint8_t)(digits == 2 ? f->fd | FRAME_FD : 0);
+  f->length = (uint8_t)length;
+  return take(c, ']', "']' after the number of bytes");
+}
+
+static int parse_columns_data(cursor *c, frame *f) {
+  for (uint32_t n = 0; n < f->length; ++n) {
+    if (!(n == 0 ? take_spaces(c, "a space before the data") : take(c, ' ', "a space between two bytes"))) return 0;
+    const int high = peek_hex(c);
+    if (high < 0) return expect(c, "as many bytes as the length says");
+    c->at += 1;
+    const int low = peek_hex(c);
+    if (low < 0) return expect(c, "a second hex digit of this byte");
+    c->at += 1;
+    f->data[n] = (uint8_t)(high << 4 | low);
+  }
+  return 1;
+}
+
+/* What `candump` prints without -L. */
+static int parse_columns(cursor *c, frame *f) {
+  if (!take_spaces(c, "a space after the id") || !parse_length(c, f)) return 0;
+  size_t start = c->at;
+  while (peek(c) == ' ') c->at += 1;
+  if (f->fd == 0 && !f->error && skip_word(c, "remote request")) {
+    f->rtr = 1;
+    return c->at == c->bytes ? 1 : expect(c, "the end of the line after a remote request");
+  }
+  c->at = start;
+  if (!parse_columns_data(c, f)) return 0;
+  while (peek(c) == ' ') c->at += 1;
+  if (f->error) (void)skip_word(c, "ERRORFRAME");
+  start = c->at;
+  if (peek(c) == '\'' && c->bytes - start > 1 && c->text[c->bytes - 1] == '\'') c->at = c->bytes;
+  return c->at == c->bytes ? 1 : expect(c, "the end of the line after as many bytes as the length says");
+}
+
+static int parse_frame(cursor *c, candump_entry *entry) {
+  frame *f = &entry->frame;
+  while (peek(c) == ' ') c->at += 1;
+  entry->time_us = CANDUMP_NO_TIME;
+  if (peek(c) == '(' && !parse_time(c, &entry->time_us)) return 0;
+  if (!parse_name(c)) return 0;
+  const size_t start = c->at;
+  if (!parse_direction(c, f)) return 0;
+  const int compact = c->at == start;
+  if (!parse_id(c, f)) return 0;
+  return compact && peek(c) == '#' ? parse_compact(c, f) : parse_columns(c, f);
+}
+
+/* A comment, or only spaces. */
+static int has_no_frame(const char *text, size_t bytes) {
+  size_t at = 0;
+  while (at < bytes && text[at] == ' ') ++at;
+  return at == bytes || (at == 0 && text[0] != '(');
 }
 
 int candump_parse(const char *text, size_t bytes, int line, candump_entry *entry,
@@ -174,7 +277,12 @@ int candump_parse(const char *text, size_t bytes, int line, candump_entry *entry
                  "the line is longer than %d bytes, expected its end", CANDUMP_LINE_MAX);
     return -1;
   }
-  if (bytes == 0 || text[0] != '(') return 0;
+  const size_t gap = sizeof CANDUMP_GAP - 1;
+  if (bytes >= gap && memcmp(text, CANDUMP_GAP, gap) == 0) {
+    candump_fail(error, NULL, line, 0, "the recording has a gap: %.*s", (int)(bytes - gap), text + gap);
+    return -1;
+  }
+  if (has_no_frame(text, bytes)) return 0;
   if (parse_frame(&c, entry)) return 1;
   if (c.at < c.bytes && c.text[c.at] > ' ' && c.text[c.at] < 0x7F) {
     candump_fail(error, NULL, line, (int)c.at + 1, "found '%c', expected %s", c.text[c.at],
@@ -233,38 +341,14 @@ int candump_parse_all(const char *file, const char *text, size_t bytes, candump_
   return 1;
 }
 
-static char *read_all(FILE *in, size_t *bytes) {
-  size_t room = 1 << 16;
-  char *text = malloc(room);
-  *bytes = 0;
-  while (text != NULL) {
-    *bytes += fread(text + *bytes, 1, room - *bytes, in);
-    if (*bytes < room) break;
-    char *grown = room > SIZE_MAX / 2 ? NULL : realloc(text, room * 2);
-    if (grown == NULL) {
-      free(text);
-      return NULL;
-    }
-    text = grown;
-    room *= 2;
-  }
-  if (text != NULL && ferror(in)) {
-    free(text);
-    return NULL;
-  }
-  return text;
-}
-
 int candump_load(const char *file, candump_log *log, candump_error *error) {
+  char why[INPUT_FILE_WHY];
   size_t bytes = 0;
   log->entries = NULL;
   log->count = 0;
-  FILE *in = fopen(file, "rb");
-  if (in == NULL) return candump_fail(error, file, 0, 0, "cannot be opened: %s", strerror(errno));
-  char *text = read_all(in, &bytes);
-  fclose(in);
-  if (text == NULL) return candump_fail(error, file, 0, 0, "cannot be read");
-  const int good = candump_parse_all(file, text, bytes, log, error);
+  uint8_t *text = input_file_read(file, INPUT_FILE_LOG_MAX, &bytes, why);
+  if (text == NULL) return candump_fail(error, file, 0, 0, "%s", why);
+  const int good = candump_parse_all(file, (const char *)text, bytes, log, error);
   free(text);
   return good;
 }
@@ -278,6 +362,7 @@ void candump_free(candump_log *log) {
 size_t candump_format(char *text, const char *name, int64_t time_us, const frame *f) {
   static const char DIGITS[] = "0123456789ABCDEF";
   const uint32_t id = f->error ? f->id | 0x20000000u : f->id;
+  if (time_us < 0) time_us = 0;
   int at = snprintf(text, CANDUMP_TEXT, "(%010" PRId64 ".%06" PRId64 ") %.15s %0*" PRIX32 "#",
                     time_us / 1000000, time_us % 1000000, name, f->extended || f->error ? 8 : 3,
                     id);
@@ -297,6 +382,11 @@ size_t candump_format(char *text, const char *name, int64_t time_us, const frame
   text[at++] = '\n';
   text[at] = 0;
   return (size_t)at;
+}
+
+size_t candump_format_gap(char *text, uint64_t lines) {
+  return (size_t)snprintf(text, CANDUMP_TEXT, CANDUMP_GAP "%" PRIu64 " lines are missing here, the disk was too slow\n",
+                          lines);
 }
 
 int candump_write(FILE *out, const char *name, int64_t time_us, const frame *f) {

@@ -1,23 +1,62 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# install.sh LIBRARY PREFIX [DESTDIR]: the library, its public headers, and what CMake and pkg-config
-# need to find them. Everything is read from the project's root, where it is called.
+# What `make install` puts below PREFIX, read from the project's root, where it is called:
+#   install.sh install BUILD PREFIX [DESTDIR]     the command, its man page and completion; the library, static
+#                                                 and shared, its headers, what CMake and pkg-config need
+#   install.sh uninstall BUILD PREFIX [DESTDIR]   removes the same files, and the folders that are fray's alone
+#   install.sh exports LIBRARY                    a linker's version script: the functions that the headers declare
+#   install.sh version | series                   0.5.0 | 0.5, what a soname holds: before 1.0 a minor version may
+#                                                 change the interface
 set -eu
-library=$1 prefix=$2 root=${3:-}$2
 version=$(sed -n 's/^#define FRAY_VERSION "\(.*\)"$/\1/p' rt/fray.h)
-headers='rt/fray.h rt/base/bytes.h rt/wire/auth.h rt/wire/cmac.h rt/wire/codec.h rt/wire/dictionary.h
-  rt/wire/e2e.h rt/wire/frame.h rt/wire/guard.h rt/wire/port.h rt/wire/queue.h rt/wire/sequence.h
-  rt/wire/fray.dbc'
+series=${version%.*}
+headers='rt/fray.h rt/base/assert.h rt/base/bytes.h rt/wire/auth.h rt/wire/cmac.h rt/wire/codec.h rt/wire/dictionary.h
+  rt/wire/e2e.h rt/wire/frame.h rt/wire/auth_gate.h rt/wire/port.h rt/wire/queue.h rt/wire/sequence.h'
 
-for header in $headers; do
-  mkdir -p "$root/include/fray/${header%/*}"
-  install -m 644 "$header" "$root/include/fray/$header"
-done
-mkdir -p "$root/lib/pkgconfig" "$root/lib/cmake/fray"
-install -m 644 "$library" "$root/lib/libfray.a"
-fill() { # TEMPLATE TO
-  sed -e "s|@PREFIX@|$prefix|; s|@VERSION@|$version|; s|@SERIES@|${version%.*}|" "platform/package/$1" >"$2"
+put() { # MODE FILE PATH
+  if [ $verb = uninstall ]; then rm -f "$root/$3"; else install -D -m "$1" "$2" "$root/$3"; fi
 }
-fill fray.pc.in "$root/lib/pkgconfig/fray.pc"
-fill fray-config.cmake.in "$root/lib/cmake/fray/fray-config.cmake"
-fill fray-config-version.cmake.in "$root/lib/cmake/fray/fray-config-version.cmake"
+link() { # TO PATH
+  if [ $verb = uninstall ]; then rm -f "$root/$2"; else ln -sf "$1" "$root/$2"; fi
+}
+fill() { # TEMPLATE PATH
+  sed -e "s|@PREFIX@|$prefix|; s|@VERSION@|$version|; s|@SERIES@|$series|" "platform/package/$1" >"$filled"
+  put 644 "$filled" "$2"
+}
+
+files() {
+  put 755 "$build/fray" bin/fray
+  if [ $verb = install ]; then sh platform/package/man.sh "$build/fray" "$version" >"$filled"; fi
+  put 644 "$filled" share/man/man1/fray.1
+  put 644 platform/package/fray.bash share/bash-completion/completions/fray
+  for header in $headers rt/wire/fray.dbc; do put 644 "$header" "include/fray/$header"; done
+  put 644 "$build/libfray.a" lib/libfray.a
+  put 755 "$build/libfray.so" "lib/libfray.so.$version"
+  link "libfray.so.$version" "lib/libfray.so.$series"
+  link "libfray.so.$series" lib/libfray.so
+  fill fray.pc.in lib/pkgconfig/fray.pc
+  fill fray-config.cmake.in lib/cmake/fray/fray-config.cmake
+  fill fray-config-version.cmake.in lib/cmake/fray/fray-config-version.cmake
+}
+
+verb=$1
+case $verb in
+version) echo "$version" ;;
+series) echo "$series" ;;
+exports)
+  echo 'FRAY { global:'
+  # shellcheck disable=SC2086
+  grep -ohE '[a-z][a-z0-9_]*' $headers | sort -u >"$2.words"
+  ${NM:-nm} -g --defined-only "$2" | awk 'NF == 3 { print $3 }' | sort -u | comm -12 - "$2.words" | sed 's/$/;/'
+  echo '  local: *;'
+  echo '};' ;;
+install | uninstall)
+  build=$2 prefix=$3 root=${4:-}$3
+  filled=$(mktemp)
+  trap 'rm -f "$filled"' EXIT
+  files
+  [ $verb = install ] || for folder in include/fray lib/cmake/fray; do
+    [ ! -d "$root/$folder" ] || find "$root/$folder" -depth -type d -exec rmdir --ignore-fail-on-non-empty {} +
+  done ;;
+*) echo "install.sh: '$verb', expected install, uninstall, exports, version or series" >&2; exit 2 ;;
+esac

@@ -45,7 +45,7 @@ static void push(port *p, const player_frame *said) {
   port_push(p, &f);
 }
 
-/* The closing SYNC is all that is left in the end. */
+/* At the end only the closing SYNC is left. */
 int32_t platform_wait(void) {
   const uint32_t took = playback.ticks > 0 ? tick_spent() - playback.began : 0u;
   /* an emulator in its host's time may show the clock before its interrupt: less than nothing */
@@ -56,7 +56,7 @@ int32_t platform_wait(void) {
   return missed;
 }
 
-/* What stands before the SYNC is input, or something that the loop should have sent. */
+/* A frame before the SYNC is input, or one that the loop should have sent. */
 platform_result platform_sync(const frame *sync, port *p) {
   ++playback.ticks;
   for (; playback.at < playback.count; ++playback.at) {
@@ -85,7 +85,7 @@ platform_result platform_send(const frame *f) {
 }
 
 uint32_t player_end(const loop *l) {
-  const codec_sync sync = {l->tick, l->hash};
+  const codec_sync sync = {(uint32_t)(l->tick & UINT32_MAX), l->hash};
   frame f;
   codec_encode_sync(&f, 0, &sync);
   compare_sync(f.data);

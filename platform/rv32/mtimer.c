@@ -11,7 +11,7 @@
 enum { MIE_MTIE = 1 << 7 };
 
 static uint32_t turn;  /* counts of a tick */
-static uint64_t began; /* count at which the tick that was last given was due */
+static uint64_t began; /* count at which the current tick was due */
 
 static volatile uint32_t *word(uint32_t address) { return (volatile uint32_t *)(uintptr_t)address; }
 

@@ -20,7 +20,7 @@ board zcu102_board;
 /* What the interrupt and platform_sync() share; outside of the interrupt it is touched with
  * interrupts masked, or when nothing is awaited. */
 static struct {
-  uint32_t outstanding;        /* a SYNC stands in the high-priority buffer */
+  uint32_t outstanding;        /* a SYNC is in the high-priority buffer */
   uint32_t awaited;            /* and platform_sync() waits for it */
   volatile uint32_t confirmed;
   uint32_t count;              /* the input: what the FIFO held when it was sent */
@@ -82,7 +82,7 @@ int32_t platform_wait(void) {
   return timer_wait(&zcu102_board.grid);
 }
 
-/* One that was given up still stands in its buffer, and the controller goes on trying. */
+/* A SYNC without a confirmation stays in its buffer, and the controller goes on trying. */
 static void begin_sync(const frame *sync) {
   cpu_mask_interrupts();
   latch.count = 0;
@@ -114,7 +114,7 @@ platform_result platform_sync(const frame *sync, port *p) {
   return PLATFORM_SENT;
 }
 
-/* A sealed frame is CAN FD, which this controller has not: half of it must not look like a message. */
+/* A sealed frame is CAN FD, which this controller does not have: half of it must not look like a message. */
 platform_result platform_send(const frame *f) {
   if (f->fd == 0 && can_send(CAN0_BASE, f)) return PLATFORM_SENT;
   ++zcu102_board.sends_dropped;
@@ -151,7 +151,7 @@ static void print_fault(uint64_t kind, uint64_t syndrome, uint64_t at, uint64_t 
   platform_print("\n");
 }
 
-/* As bare_fault(): neither a console nor an exit that faults goes round for ever. */
+/* As bare_fault(): neither a console nor an exit that faults may loop for ever. */
 void board_fault(uint64_t kind, uint64_t syndrome, uint64_t at, uint64_t address) {
   static uint32_t faults;
   const uint32_t before = faults++;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The functions of platform.h on the ZCU102: one core, CAN 0, the generic timer. README.md has the
  * registers and tells where a tick's input ends. */
-#ifndef FRAY_ZCU102_BOARD_H
-#define FRAY_ZCU102_BOARD_H
+#ifndef FRAY_PLATFORM_ZCU102_BOARD_H
+#define FRAY_PLATFORM_ZCU102_BOARD_H
 
 #include <stdint.h>
 
@@ -13,12 +13,12 @@ enum { BOARD_PRIORITY_CAN = 0x40, BOARD_PRIORITY_TIMER = 0x60, BOARD_PRIORITY_OT
 /* Counters saturate nowhere: they wrap after 2^32. */
 typedef struct {
   timer_grid grid;
-  uint32_t stopping;      /* the next platform_wait() says so */
+  uint32_t stopping;      /* the next platform_wait() returns -1 */
   uint32_t overflows;     /* times that the receive FIFO was found to have lost frames */
   uint32_t bus_offs;
   uint32_t sends_dropped; /* the transmit FIFO was full, or the frame is CAN FD */
-  uint32_t late;          /* SYNCs that were confirmed after they had been given up */
-  uint32_t unexpected;    /* interrupts that nobody asked for */
+  uint32_t late;          /* SYNCs that were confirmed after PLATFORM_CONFIRM_US */
+  uint32_t unexpected;    /* interrupts that no driver enabled */
   uint32_t drained_most;  /* frames that one SYNC found in the receive FIFO */
 } board;
 

@@ -2,8 +2,8 @@
 /* One CAN controller of the Zynq UltraScale+ (UG1085, chapter 20): classic CAN at 1 Mbit/s from a
  * reference clock of 100 MHz. The controller is named by its base address and has no other state
  * here. Not for two interrupt levels at a time. */
-#ifndef FRAY_ZCU102_CAN_H
-#define FRAY_ZCU102_CAN_H
+#ifndef FRAY_PLATFORM_ZCU102_CAN_H
+#define FRAY_PLATFORM_ZCU102_CAN_H
 
 #include <stdint.h>
 
@@ -28,7 +28,7 @@ enum {
   CAN_BSOFF = 1 << 9
 };
 
-/* A message as it stands in a FIFO. */
+/* A message as a FIFO holds it. */
 typedef struct {
   uint32_t id, dlc, data1, data2;
 } can_message;
@@ -37,21 +37,21 @@ typedef struct {
  * none: all. `events`: what interrupts. */
 void can_begin(uintptr_t base, const uint32_t *ids, uint32_t count, uint32_t events);
 
-/* On or off the bus; what waits to be sent or read stays. */
+/* Joins or leaves the bus; frames in the FIFOs stay. */
 void can_join(uintptr_t base);
 void can_leave(uintptr_t base);
 
 /* Which of `events` have come; they are cleared. */
 uint32_t can_take_events(uintptr_t base, uint32_t events);
 
-/* Into the transmit FIFO. Returns 0 iff it is full. */
+/* Adds to the transmit FIFO. Returns 0 iff it is full. */
 int can_send(uintptr_t base, const frame *f);
 
-/* Into the high-priority buffer, which must be empty: sent before what waits in the FIFO. */
+/* Writes the high-priority buffer, which must be empty: it is sent before the FIFO. */
 void can_send_first(uintptr_t base, const frame *f);
 int can_first_waits(uintptr_t base);
 
-/* The oldest received message. Returns 0 iff there is none. */
+/* Reads the oldest received message. Returns 0 iff there is none. */
 int can_receive(uintptr_t base, can_message *m);
 void can_to_frame(const can_message *m, frame *f);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Text on UART 0, 115200 baud. Waits for room: not for use in a tick. */
-#ifndef FRAY_ZCU102_CONSOLE_H
-#define FRAY_ZCU102_CONSOLE_H
+#ifndef FRAY_PLATFORM_ZCU102_CONSOLE_H
+#define FRAY_PLATFORM_ZCU102_CONSOLE_H
 
 #include <stdint.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The few instructions of the A53 that C has no word for, and registers of devices. */
-#ifndef FRAY_ZCU102_CPU_H
-#define FRAY_ZCU102_CPU_H
+/* Instructions of the A53 that C cannot express, and registers of devices. */
+#ifndef FRAY_PLATFORM_ZCU102_CPU_H
+#define FRAY_PLATFORM_ZCU102_CPU_H
 
 #include <stdint.h>
 
@@ -20,7 +20,7 @@ static inline void cpu_mask_interrupts(void) {
 static inline void cpu_allow_interrupts(void) {
   __asm__ volatile("msr daifclr, #2\n isb" ::: "memory");
 }
-/* A write that the bus refuses later is a fault too; masked, as after the reset, nobody hears of it. */
+/* A write that the bus refuses later is a fault too; masked, as after the reset, it is lost. */
 static inline void cpu_allow_aborts(void) { __asm__ volatile("msr daifclr, #4" ::: "memory"); }
 
 /* Returns when an interrupt is pending, masked or not. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The interrupt controller (GIC-400, Arm IHI 0048B), for core 0. */
-#ifndef FRAY_ZCU102_GIC_H
-#define FRAY_ZCU102_GIC_H
+#ifndef FRAY_PLATFORM_ZCU102_GIC_H
+#define FRAY_PLATFORM_ZCU102_GIC_H
 
 #include <stdint.h>
 
@@ -20,7 +20,7 @@ void gic_begin(void);
 /* A lower priority number comes first; 0..0xF0 in steps of 0x10. */
 void gic_enable(uint32_t id, uint8_t priority);
 
-/* What is pending first; hand it back when it has been dealt with. */
+/* The pending interrupt of the highest priority; acknowledge it with gic_done() when it was handled. */
 uint32_t gic_take(void);
 void gic_done(uint32_t taken);
 

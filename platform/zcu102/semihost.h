@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Semihosting: an exit status, and the words that the program was started with, through the
  * emulator or the debugger. Without one of them the core stops at a fault. */
-#ifndef FRAY_ZCU102_SEMIHOST_H
-#define FRAY_ZCU102_SEMIHOST_H
+#ifndef FRAY_PLATFORM_ZCU102_SEMIHOST_H
+#define FRAY_PLATFORM_ZCU102_SEMIHOST_H
 
 #include <stdint.h>
 

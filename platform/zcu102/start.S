@@ -95,52 +95,38 @@ park:
   .section .text.vectors, "ax"
   .balign 2048
 vectors:
-  fault 0
-  fault 1
-  fault 2
-  fault 3
-  fault 4
+  .irp kind, 0, 1, 2, 3, 4
+  fault \kind
+  .endr
   .balign 128
   b interrupt_entry
-  fault 6
-  fault 7
-  fault 8
-  fault 9
-  fault 10
-  fault 11
-  fault 12
-  fault 13
-  fault 14
-  fault 15
+  .irp kind, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15
+  fault \kind
+  .endr
 
 /* Interrupts do not nest, so what the exception saved stays in its registers. */
+  .macro callers op
+  \op x0, x1, [sp, #16]
+  \op x2, x3, [sp, #32]
+  \op x4, x5, [sp, #48]
+  \op x6, x7, [sp, #64]
+  \op x8, x9, [sp, #80]
+  \op x10, x11, [sp, #96]
+  \op x12, x13, [sp, #112]
+  \op x14, x15, [sp, #128]
+  \op x16, x17, [sp, #144]
+  .endm
 interrupt_entry:
   stp x29, x30, [sp, #-176]!
-  stp x0, x1, [sp, #16]
-  stp x2, x3, [sp, #32]
-  stp x4, x5, [sp, #48]
-  stp x6, x7, [sp, #64]
-  stp x8, x9, [sp, #80]
-  stp x10, x11, [sp, #96]
-  stp x12, x13, [sp, #112]
-  stp x14, x15, [sp, #128]
-  stp x16, x17, [sp, #144]
+  callers stp
   str x18, [sp, #160]
   bl board_interrupt
   ldr x18, [sp, #160]
-  ldp x16, x17, [sp, #144]
-  ldp x14, x15, [sp, #128]
-  ldp x12, x13, [sp, #112]
-  ldp x10, x11, [sp, #96]
-  ldp x8, x9, [sp, #80]
-  ldp x6, x7, [sp, #64]
-  ldp x4, x5, [sp, #48]
-  ldp x2, x3, [sp, #32]
-  ldp x0, x1, [sp, #16]
+  callers ldp
   ldp x29, x30, [sp], #176
   eret
 
-/* The stack may be what is broken: begin it anew, nobody returns. */
+/* The stack may be what is broken: begin it anew; there is no return. */
 fault_entry:
   ldr x4, =stack_top
   mov sp, x4

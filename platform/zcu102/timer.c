@@ -12,10 +12,12 @@ uint64_t timer_now(void) {
 
 uint64_t timer_counts(uint32_t us) { return us * CPU_READ(cntfrq_el0) / 1000000u; }
 
-uint64_t timer_us(uint64_t counts) {
-  const uint64_t hz = CPU_READ(cntfrq_el0);
-  return counts / hz * 1000000u + counts % hz * 1000000u / hz;
+/* count * to / from, down, without a product above 2^64. */
+static uint64_t scaled(uint64_t count, uint64_t to, uint64_t from) {
+  return count / from * to + count % from * to / from;
 }
+
+uint64_t timer_us(uint64_t counts) { return scaled(counts, 1000000u, CPU_READ(cntfrq_el0)); }
 
 /* Interrupts are masked between the look and the sleep: one that comes there ends the sleep. */
 void timer_sleep(uint64_t end, const volatile uint32_t *flag) {
@@ -33,9 +35,10 @@ void timer_sleep(uint64_t end, const volatile uint32_t *flag) {
 
 void timer_interrupt(void) { CPU_WRITE(cntv_ctl_el0, CNTV_ENABLE | CNTV_MASK); }
 
-/* Multiplied out from the start, so that no rate drifts: 64 bits are enough for years. */
+/* Multiplied out from the start, so that no rate drifts. */
 static uint64_t grid_at(const timer_grid *g, uint64_t n) {
-  return g->start + (n * CPU_READ(cntfrq_el0) + g->rate_hz - 1u) / g->rate_hz;
+  const uint64_t hz = CPU_READ(cntfrq_el0);
+  return g->start + n / g->rate_hz * hz + (n % g->rate_hz * hz + g->rate_hz - 1u) / g->rate_hz;
 }
 
 void timer_begin(timer_grid *g, uint32_t rate_hz) {
@@ -46,7 +49,7 @@ void timer_begin(timer_grid *g, uint32_t rate_hz) {
 }
 
 int32_t timer_wait(timer_grid *g) {
-  const uint64_t passed = (timer_now() - g->start) * g->rate_hz / CPU_READ(cntfrq_el0);
+  const uint64_t passed = scaled(timer_now() - g->start, g->rate_hz, CPU_READ(cntfrq_el0));
   const uint64_t missed = passed > g->next ? passed - g->next : 0;
   g->next += missed;
   timer_sleep(grid_at(g, g->next), 0);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The generic timer of the core: a fixed grid of ticks on the virtual counter. */
-#ifndef FRAY_ZCU102_TIMER_H
-#define FRAY_ZCU102_TIMER_H
+#ifndef FRAY_PLATFORM_ZCU102_TIMER_H
+#define FRAY_PLATFORM_ZCU102_TIMER_H
 
 #include <stdint.h>
 

@@ -19,7 +19,7 @@ static struct {
   int64_t next_us;
   atomic_t stopped, written, level, result;
   uint32_t read;
-  uint8_t waits; /* a SYNC is with the driver and was not confirmed */
+  uint8_t unconfirmed; /* the driver has a SYNC without a confirmation */
   struct can_frame ring[RING];
 } board;
 
@@ -73,8 +73,7 @@ int32_t platform_wait(void) {
 }
 
 static void hand_over(const struct can_frame *in, port *p) {
-  frame f;
-  memset(&f, 0, sizeof f);
+  frame f = {0};
   f.id = in->id;
   f.extended = (in->flags & CAN_FRAME_IDE) != 0;
   f.rtr = (in->flags & CAN_FRAME_RTR) != 0;
@@ -100,12 +99,12 @@ static int send(const frame *f, can_tx_callback_t done) {
   return can_send(board.can, &out, K_NO_WAIT, done, NULL);
 }
 
-/* A SYNC that the driver still holds is not sent twice: its confirmation is waited for again. */
+/* A SYNC that the driver still holds is not sent twice; the call waits for its confirmation again. */
 platform_result platform_sync(const frame *sync, port *p) {
-  if (board.waits == 0 && send(sync, sync_done) != 0) return PLATFORM_LOST;
-  board.waits = 1;
+  if (board.unconfirmed == 0 && send(sync, sync_done) != 0) return PLATFORM_LOST;
+  board.unconfirmed = 1;
   if (k_sem_take(&board.confirmed, K_USEC(PLATFORM_CONFIRM_US)) != 0) return PLATFORM_LOST;
-  board.waits = 0;
+  board.unconfirmed = 0;
   if (atomic_get(&board.result) != 0) return PLATFORM_LOST;
   take_until((uint32_t)atomic_get(&board.level), p);
   return PLATFORM_SENT;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What the loop calls of platform/platform.h over Zephyr's CAN driver: classic CAN, so not under a
  * key in FD form. One world on one controller, run by one thread. */
-#ifndef FRAY_ZEPHYR_BOARD_H
-#define FRAY_ZEPHYR_BOARD_H
+#ifndef FRAY_PLATFORM_ZEPHYR_BOARD_H
+#define FRAY_PLATFORM_ZEPHYR_BOARD_H
 
 #include <zephyr/device.h>
 
@@ -10,7 +10,7 @@
  * Returns 0, or a negative errno of the driver. The bit rate is the devicetree's. */
 int board_begin(const struct device *can);
 
-/* platform_wait() answers -1 from now on. From any thread or interrupt. */
+/* Makes platform_wait() return -1 from now on. Context: any thread or interrupt. */
 void board_stop(void);
 
 #endif

@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "rt/base/bytes.h"
 
+#include "rt/base/assert.h"
+
 uint32_t bytes_crc32(const uint8_t *data, size_t bytes) {
+  FRAY_ASSERT(data != NULL || bytes == 0);
   /* four bits at a time: sixteen entries stay small in flash */
   static const uint32_t nibble[16] = {
       0x00000000u, 0x1DB71064u, 0x3B6E20C8u, 0x26D930ACu, 0x76DC4190u, 0x6B6B51F4u,
@@ -17,11 +20,13 @@ uint32_t bytes_crc32(const uint8_t *data, size_t bytes) {
 }
 
 void bytes_zero(void *to, size_t bytes) {
+  FRAY_ASSERT(to != NULL || bytes == 0);
   uint8_t *p = (uint8_t *)to;
   for (size_t n = 0; n < bytes; ++n) p[n] = 0;
 }
 
 void bytes_copy(void *to, const void *from, size_t bytes) {
+  FRAY_ASSERT(bytes == 0 || (to != NULL && from != NULL));
   uint8_t *p = (uint8_t *)to;
   const uint8_t *q = (const uint8_t *)from;
   for (size_t n = 0; n < bytes; ++n) p[n] = q[n];

@@ -1,43 +1,43 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Fixed point: the one place that shifts, rounds, saturates and multiplies wide.
+/* Fixed point: shifts, rounding, saturation and wide products, all in one place.
  *
  *  quantity              format        range         why it fits
- *  position              Q24 lu        +-60 lu       held in predict and collide; differences fit 32 bits
- *  velocity              Q28 lu/sub    +-8 lu        saturated in finish
+ *  position              Q24 lu        +-60 lu       clamped in integrate and contact, +-62 lu between ticks;
+ *                                                      differences fit 32 bits
+ *  velocity              Q28 lu/sub    +-8 lu        saturated in velocity_update
  *  position remainder    Q28 lu        +-8 LSB       rounding of Q28 to Q24, half away from zero
  *  link direction        Q16 lu        +-1/4 lu      saturated; rest lengths are below 1/8 lu
- *  squared link strain   Q20           -7/16..9/16   clamped, see stage/strain.c
+ *  squared link strain   Q20           -7/16..9/16   clamped, see woven/strain_limit.c
  *  unit vector           Q30           +-1           from fx_rsqrt, error below 2^-28
  *  friction, strain      Q16
  *  gains                 Q28 or stated with the gain
  *
- * No operation here is undefined for any value: sums wrap in two's complement. Shift counts are
- * the caller's: 1 to one less than the width. A build with
- * FRAY_CHECKED traps where a sum or a product leaves its type although it was proved not to.
- * Functions named fx_wrap_* are meant to wrap and never trap. */
+ * No operation is undefined for any value: sums wrap in two's complement. Shift counts are 0 to one less
+ * than the width, of fx_round() at least 1. A build with FRAY_CHECKED traps on other counts, and where a sum
+ * or a product overflows that was proved to fit. Functions named fx_wrap_* wrap by design and never trap. */
 #ifndef FRAY_BASE_FX_H
 #define FRAY_BASE_FX_H
 
 #include <stdint.h>
 
+#include "rt/base/assert.h"
+
+/* In every sum and shift: with FRAY_CHECKED alone. */
 #ifdef FRAY_CHECKED
-#define FX_CHECK(condition) \
-  do { \
-    if (!(condition)) __builtin_trap(); \
-  } while (0)
+#define FX_ASSERT(condition) FRAY_ASSERT(condition)
 #else
-#define FX_CHECK(condition) ((void)0)
+#define FX_ASSERT(condition) ((void)sizeof((condition) ? 1 : 0))
 #endif
 
-/* clang's integer sanitizer flags unsigned wrap-around; here it is meant. */
+/* clang's integer sanitizer flags unsigned wrap-around, which is intended here. */
 #if defined(__clang__)
 #define FX_WRAPS __attribute__((no_sanitize("integer")))
 #else
 #define FX_WRAPS
 #endif
 
-/* Cores that do one thing at a time: what almost never happens is cheapest behind a branch, where
- * wide cores want selections, so that loops vectorise. The results are the same. */
+/* On in-order cores a rare case is cheapest behind a branch; on out-of-order cores a select lets the loop
+ * vectorise. The results are the same. */
 #ifndef FX_NARROW
 #if (defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M') || \
     (defined(__riscv_xlen) && __riscv_xlen == 32)
@@ -55,7 +55,7 @@
 #endif
 #endif
 
-/* Squares add up in 64 bits by one instruction each. */
+/* A 32 x 32-bit product is added to a 64-bit sum by one instruction. */
 #ifndef FX_LONG_ACCUMULATE
 #if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M' && !FX_NO_LONG_MULTIPLY
 #define FX_LONG_ACCUMULATE 1
@@ -67,6 +67,8 @@
 enum { FX_POSITION_BITS = 24, FX_VELOCITY_BITS = 28, FX_SUB_BITS = 4 };
 #define FX_LU ((int32_t)1 << FX_POSITION_BITS)
 #define FX_WORLD_MAX (60 * FX_LU)
+/* Projections and pushes go on past the edge of the world, to here: differences still fit 32 bits. */
+#define FX_EDGE_MAX (62 * FX_LU)
 
 FX_WRAPS static inline int32_t fx_wrap_add(int32_t a, int32_t b) {
   return (int32_t)((uint32_t)a + (uint32_t)b);
@@ -88,19 +90,19 @@ static inline int32_t fx_asr(int32_t v, unsigned s) { return v < 0 ? ~(~v >> s) 
 static inline int64_t fx_asr64(int64_t v, unsigned s) { return v < 0 ? ~(~v >> s) : v >> s; }
 
 static inline int32_t fx_add(int32_t a, int32_t b) {
-  FX_CHECK((int64_t)a + b == fx_wrap_add(a, b));
+  FX_ASSERT((int64_t)a + b == fx_wrap_add(a, b));
   return fx_wrap_add(a, b);
 }
 static inline int32_t fx_sub(int32_t a, int32_t b) {
-  FX_CHECK((int64_t)a - b == fx_wrap_sub(a, b));
+  FX_ASSERT((int64_t)a - b == fx_wrap_sub(a, b));
   return fx_wrap_sub(a, b);
 }
 FX_WRAPS static inline int32_t fx_mul(int32_t a, int32_t b) {
   const int32_t product = (int32_t)((uint32_t)a * (uint32_t)b);
-  FX_CHECK((int64_t)a * b == product);
+  FX_ASSERT((int64_t)a * b == product);
   return product;
 }
-/* Products of 32 bits by 32 in full. Armv6-M has no such instruction, and its library multiplies
+/* Full 64-bit products of 32-bit factors. Armv6-M has no instruction for them, and its library multiplies
  * 64 bits by 64. */
 FX_WRAPS static inline uint64_t fx_mul_wide_u(uint32_t a, uint32_t b) {
 #if FX_NO_LONG_MULTIPLY
@@ -119,7 +121,7 @@ FX_WRAPS static inline uint64_t fx_mul_wide_u(uint32_t a, uint32_t b) {
 }
 FX_WRAPS static inline int64_t fx_mul_wide(int32_t a, int32_t b) {
 #if FX_NO_LONG_MULTIPLY
-  /* upper halves have the sign; every sum is within 2^31 */
+  /* upper halves are signed; every sum is within 2^31 */
   const int32_t a0 = a & 0xFFFF;
   const int32_t a1 = fx_asr(a, 16);
   const int32_t b0 = b & 0xFFFF;
@@ -148,13 +150,13 @@ FX_WRAPS static inline uint64_t fx_square(int32_t v) {
 }
 FX_WRAPS static inline int64_t fx_add64(int64_t a, int64_t b) {
   const int64_t sum = (int64_t)((uint64_t)a + (uint64_t)b);
-  FX_CHECK(((a ^ sum) & (b ^ sum)) >= 0);
+  FX_ASSERT(((a ^ sum) & (b ^ sum)) >= 0);
   return sum;
 }
 FX_WRAPS static inline int64_t fx_mul64(int64_t a, int64_t b) {
 #ifdef FRAY_CHECKED
   int64_t checked;
-  FX_CHECK(!__builtin_mul_overflow(a, b, &checked));
+  FX_ASSERT(!__builtin_mul_overflow(a, b, &checked));
 #endif
   return (int64_t)((uint64_t)a * (uint64_t)b);
 }
@@ -162,9 +164,11 @@ FX_WRAPS static inline int64_t fx_mul64(int64_t a, int64_t b) {
 /* Shift right by s >= 1, round to nearest, halves away from zero: odd-symmetric, so a mirrored
  * input gives the mirrored result. */
 static inline int32_t fx_round(int32_t v, unsigned s) {
+  FX_ASSERT(s >= 1 && s < 32);
   return fx_asr(fx_add(v, fx_asr(v, 31) + ((int32_t)1 << (s - 1))), s);
 }
 static inline int64_t fx_round64(int64_t v, unsigned s) {
+  FX_ASSERT(s >= 1 && s < 64);
   return fx_asr64(fx_add64(v, fx_asr64(v, 63) + ((int64_t)1 << (s - 1))), s);
 }
 /* Product of two Q15 values (or Q15 and any Qn), rounded half up: one SIMD instruction wide. */
@@ -172,18 +176,22 @@ static inline int32_t fx_mul_q15(int32_t a, int32_t b) {
   return fx_asr(fx_add(fx_mul(a, b), 1 << 14), 15);
 }
 
-/* Of velocities, Q28 lu per substep: 4 lu in a substep. */
+/* The largest velocity, Q28 lu per substep: 4 lu in a substep. */
 enum { FX_SPEED_MAX = 1 << 30 };
+/* What stages may add up to within a substep, before it is limited to that: projections add to it. */
+enum { FX_SPEED_OVER = FX_SPEED_MAX / 4 * 5 };
 
 static inline int32_t fx_min(int32_t a, int32_t b) { return a < b ? a : b; }
 static inline int32_t fx_max(int32_t a, int32_t b) { return a > b ? a : b; }
 static inline int32_t fx_clamp(int32_t v, int32_t low, int32_t high) {
+  FX_ASSERT(low <= high);
   return v < low ? low : (v > high ? high : v);
 }
 static inline int64_t fx_clamp64(int64_t v, int64_t low, int64_t high) {
+  FX_ASSERT(low <= high);
   return v < low ? low : (v > high ? high : v);
 }
-/* To 16 bits; an instruction where there is one, and compilers do not always see it. */
+/* Saturates to 16 bits; the intrinsic, because compilers do not always find the instruction. */
 static inline int32_t fx_saturate16(int32_t v) {
 #ifdef __ARM_FEATURE_SAT
   return (int32_t)__builtin_arm_ssat(v, 16);
@@ -191,17 +199,34 @@ static inline int32_t fx_saturate16(int32_t v) {
   return fx_clamp(v, INT16_MIN, INT16_MAX);
 #endif
 }
-/* To 32 bits, +-(2^31 - 1): symmetric. */
-static inline int32_t fx_saturate(int64_t v) {
-  return (int32_t)fx_clamp64(v, -(int64_t)INT32_MAX, INT32_MAX);
-}
-/* The same for a value that is almost never outside. */
+/* fx_clamp() for a value that is almost never outside. */
 static inline int32_t fx_clamp_rare(int32_t v, int32_t low, int32_t high) {
 #if FX_NARROW
   const uint32_t above = (uint32_t)fx_wrap_sub(v, low);
   if (__builtin_expect(above <= (uint32_t)fx_wrap_sub(high, low), 1)) return v;
 #endif
   return fx_clamp(v, low, high);
+}
+/* To +-limit, in 32 bits; almost never outside. Narrow cores clamp words: where gcc sees a clamp of 64 bits,
+ * it multiplies 64 by 64 bits with the result. */
+static inline int32_t fx_clamp_wide(int64_t v, int32_t limit) {
+#if FX_NARROW
+  const int32_t high = (int32_t)fx_asr64(v, 32);
+  int32_t word = (int32_t)v;
+  if (__builtin_expect(high != fx_asr(word, 31), 0)) word = fx_asr(high, 31) ^ INT32_MAX;
+  return fx_clamp_rare(word, -limit, limit);
+#else
+  return (int32_t)fx_clamp64(v, -(int64_t)limit, limit);
+#endif
+}
+/* Saturates to +-(2^31 - 1), symmetric. */
+static inline int32_t fx_saturate(int64_t v) { return fx_clamp_wide(v, INT32_MAX); }
+/* a b 2^-s to the nearest, where that fits; and saturated. */
+static inline int32_t fx_mul_round(int32_t a, int32_t b, unsigned s) {
+  return (int32_t)fx_round64(fx_mul_wide(a, b), s);
+}
+static inline int32_t fx_mul_saturated(int32_t a, int32_t b, unsigned s) {
+  return fx_saturate(fx_round64(fx_mul_wide(a, b), s));
 }
 /* a + b, saturated to +-(2^31 - 1), in 32 bits. */
 static inline int32_t fx_add_saturated(int32_t a, int32_t b) {
@@ -218,15 +243,17 @@ static inline int32_t fx_add_saturated(int32_t a, int32_t b) {
 }
 
 #if FX_NO_LONG_MULTIPLY
-/* One bit of a quotient takes the place of the bit of n that is used up: six instructions. */
+/* One step of a restoring division: the quotient bit replaces the used bit of n. Six instructions. */
 FX_WRAPS static inline uint64_t fx_divide_bit(uint64_t n, uint32_t d) {
   const uint64_t twice = n + n;
   if ((uint32_t)(twice >> 32) < d) return twice;
   return twice + (1u - ((uint64_t)d << 32));
 }
 
-/* n / d for d in 1..2^31, saturated to 32 bits: bit by bit, for cores that cannot divide at all. */
+/* n / d for d up to 2^31, saturated to 32 bits (d = 0 too): bit by bit, for cores without a divide
+ * instruction. */
 FX_WRAPS static inline uint32_t fx_divide_wide(uint64_t n, uint32_t d) {
+  FX_ASSERT(d <= 1u << 31);
   if ((uint32_t)(n >> 32) >= d) return UINT32_MAX;
   uint64_t rest = n;
   for (unsigned eight = 0; eight < 4; ++eight) {
@@ -238,14 +265,16 @@ FX_WRAPS static inline uint32_t fx_divide_wide(uint64_t n, uint32_t d) {
   return (uint32_t)rest;
 }
 #elif UINTPTR_MAX > 0xFFFFFFFFu
-/* n / d for d in 1..2^31, saturated to 32 bits. */
+/* n / d for d up to 2^31, saturated to 32 bits (d = 0 too). */
 static inline uint32_t fx_divide_wide(uint64_t n, uint32_t d) {
+  FX_ASSERT(d <= 1u << 31);
   return (uint32_t)(n >> 32) >= d ? UINT32_MAX : (uint32_t)(n / d);
 }
 #else
-/* n / d for d in 1..2^31, saturated to 32 bits: two digits of 16 bits, each estimated from the upper half
- * of the divisor, which is at most two too many. */
+/* n / d for d up to 2^31, saturated to 32 bits (d = 0 too): two digits of 16 bits, each estimated from
+ * the upper half of the divisor and at most two too large. */
 FX_WRAPS static inline uint32_t fx_divide_wide(uint64_t n, uint32_t d) {
+  FX_ASSERT(d <= 1u << 31);
   if ((uint32_t)(n >> 32) >= d) return UINT32_MAX;
   const unsigned up = (unsigned)__builtin_clz(d);
   const uint32_t divisor = d << up;
@@ -259,7 +288,7 @@ FX_WRAPS static inline uint32_t fx_divide_wide(uint64_t n, uint32_t d) {
     low <<= 16;
     uint32_t q = rest / high;
     uint32_t left = rest - q * high;
-    /* the lower half of the divisor takes its part */
+    /* corrected by the lower half of the divisor */
     while (left < 0x10000u && (q > 0xFFFFu || q * (divisor & 0xFFFFu) > (left << 16 | next))) {
       --q;
       left += high;
@@ -281,10 +310,11 @@ typedef struct {
   unsigned h; /* sqrt(n) = sqrt(m / 2^30) * 2^h */
 } fx_root;
 
-/* Newton steps from a chord in two pieces (2.4% off at worst): relative error below 2^-28 after
+/* Newton steps from a chord in two pieces (at most 2.4 % off): relative error below 2^-28 after
  * three (FX_ROOT_FINE), 2^-19 after two (FX_ROOT_COARSE), measured in tests/unit. n >= 1. */
 enum { FX_ROOT_COARSE = 2, FX_ROOT_FINE = 3 };
 FX_WRAPS static inline fx_root fx_rsqrt(uint64_t n, int steps) {
+  FX_ASSERT(n >= 1 && steps >= FX_ROOT_COARSE && steps <= FX_ROOT_FINE);
   const unsigned lz = fx_leading_zeros64(n) & ~1u;
   fx_root r;
   r.m = (uint32_t)((n << lz) >> 32);
@@ -303,11 +333,13 @@ FX_WRAPS static inline fx_root fx_rsqrt(uint64_t n, int steps) {
 }
 /* sqrt(n) rounded down to within its relative error; below 2^32. */
 static inline uint32_t fx_root_length(fx_root r) {
+  FX_ASSERT(r.h <= 31);
   const uint64_t root_q61 = fx_mul_wide_u(r.m, r.inverse);
   return (uint32_t)(root_q61 >> (61u - r.h));
 }
 /* v / sqrt(n) in Q30, for |v| <= sqrt(n): one component of the unit vector. */
 FX_WRAPS static inline int32_t fx_root_unit(fx_root r, int32_t v) {
+  FX_ASSERT(r.h <= 31 && r.inverse >= 1u << 30 && r.inverse <= 1u << 31);
   /* inverse is above 2^30: with 2^31 taken off it fits a signed word */
   const int64_t product =
       fx_mul_wide(v, (int32_t)(r.inverse - 0x80000000u)) + (int64_t)v * ((int64_t)1 << 31);

@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "rt/base/hash.h"
 
+#include <stddef.h>
+
 #if FX_NARROW
 /* Lanes are independent: one at a time stays in a register. */
 void hash_words(hash *h, const int32_t *words, uint32_t count) {
+  FRAY_ASSERT(words != NULL || count == 0);
   for (uint32_t k = 0; k < HASH_LANES; ++k) {
     uint32_t lane = h->lane[k];
     uint32_t n = k;
@@ -16,6 +19,7 @@ void hash_words(hash *h, const int32_t *words, uint32_t count) {
 }
 
 void hash_bytes(hash *h, const int8_t *bytes, uint32_t count) {
+  FRAY_ASSERT(bytes != NULL || count == 0);
   for (uint32_t k = 0; k < HASH_LANES; ++k) {
     uint32_t lane = h->lane[k];
     uint32_t n = k;
@@ -28,6 +32,7 @@ void hash_bytes(hash *h, const int8_t *bytes, uint32_t count) {
 }
 #else
 void hash_words(hash *h, const int32_t *words, uint32_t count) {
+  FRAY_ASSERT(words != NULL || count == 0);
   uint32_t n = 0;
   for (; n + HASH_LANES <= count; n += HASH_LANES)
     for (uint32_t k = 0; k < HASH_LANES; ++k)
@@ -37,6 +42,7 @@ void hash_words(hash *h, const int32_t *words, uint32_t count) {
 }
 
 void hash_bytes(hash *h, const int8_t *bytes, uint32_t count) {
+  FRAY_ASSERT(bytes != NULL || count == 0);
   uint32_t n = 0;
   for (; n + HASH_LANES <= count; n += HASH_LANES)
     for (uint32_t k = 0; k < HASH_LANES; ++k)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Random numbers without a state: a function of (seed, element), so the order of use is free. */
+/* Stateless random numbers: a function of (seed, element), independent of the order of calls. */
 #ifndef FRAY_BASE_RANDOM_H
 #define FRAY_BASE_RANDOM_H
 
@@ -16,6 +16,7 @@ FX_WRAPS static inline uint32_t random_bits(uint32_t seed, uint32_t element) {
 }
 /* Uniform in [low, high], both in the caller's format. */
 static inline int32_t random_between(uint32_t seed, uint32_t element, int32_t low, int32_t high) {
+  FRAY_ASSERT(low <= high);
   const uint32_t span = (uint32_t)fx_sub(high, low) + 1u;
   return fx_add(low, (int32_t)(fx_mul_wide_u(random_bits(seed, element), span) >> 32));
 }

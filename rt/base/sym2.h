@@ -9,9 +9,9 @@ typedef struct {
   int32_t xx, yy, xy;
 } sym2;
 
-/* major >= minor; their sum is xx + yy, exactly. Each is off by at most 1 + 2^-28 of the largest entry.
- * cosine and sine are those of twice the angle from x to the direction of major, Q30; 1 and 0 where all
- * directions are the same. */
+/* Eigenvalues, major >= minor; their sum is exactly xx + yy, each is off by at most 1 + 2^-28 of the largest
+ * entry. cosine and sine are those of twice the angle from x to the direction of major, Q30; 1 and 0 where
+ * all directions are the same. */
 typedef struct {
   int32_t major, minor;
   int32_t cosine, sine;
@@ -35,7 +35,7 @@ static inline sym2_eigen sym2_eigen_of(sym2 m) {
   return e;
 }
 
-/* What of it pulls: the part with the eigenvalues that are above zero. */
+/* The tensile part: the matrix with its positive eigenvalues only. */
 static inline sym2 sym2_positive(sym2 m) {
   const sym2_eigen e = sym2_eigen_of(m);
   const sym2 none = {0, 0, 0};
@@ -45,7 +45,7 @@ static inline sym2 sym2_positive(sym2 m) {
   sym2 p;
   p.xx = (int32_t)fx_round64(fx_add64(whole, fx_mul_wide(e.major, e.cosine)), 31);
   p.yy = fx_sub(e.major, p.xx);
-  p.xy = (int32_t)fx_round64(fx_mul_wide(e.major, e.sine), 31);
+  p.xy = fx_mul_round(e.major, e.sine, 31);
   return p;
 }
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "rt/wire/auth.h"
 
+#include "rt/base/assert.h"
 #include "rt/base/bytes.h"
 
 enum {
@@ -34,6 +35,8 @@ static void auth_count(uint32_t *counter, uint32_t by) {
 
 void auth_lane_init(auth_lane *lane, const cmac_key *key, dictionary_message message,
                     uint32_t instance, uint32_t last) {
+  FRAY_ASSERT(lane != NULL && key != NULL);
+  FRAY_ASSERT(message < MESSAGES && instance < DICTIONARY_INSTANCES);
   bytes_zero(lane, sizeof *lane);
   lane->key = key;
   const dictionary_message form = dictionary_auth(message);
@@ -41,18 +44,20 @@ void auth_lane_init(auth_lane *lane, const cmac_key *key, dictionary_message mes
   lane->plain_id = form == MESSAGES ? nothing : dictionary_id(message, instance);
   lane->id = form == MESSAGES ? nothing : dictionary_id(form, instance);
   lane->last = last;
-  lane->most = message == MESSAGE_COMMAND && last < AUTH_OWN ? AUTH_OWN - 1u : UINT32_MAX;
+  lane->max = message == MESSAGE_COMMAND && last < AUTH_RUNTIME_FIRST ? AUTH_RUNTIME_FIRST - 1u : UINT32_MAX;
 }
 
 static auth_reason auth_check_frame(const frame *f, uint32_t id, uint32_t length) {
+  FRAY_ASSERT(f != NULL);
   if (f->id != id || f->extended) return AUTH_ID;
   if (f->rtr || f->error) return AUTH_FLAGS;
   if (f->length != length) return AUTH_LENGTH;
   return AUTH_OK;
 }
 
-/* The tag of `data`, whose freshness is in its place. */
+/* The tag of `data`, which has its freshness already. */
 static void auth_tag_fd(const auth_lane *lane, const uint8_t *data, uint8_t tag[CMAC_BLOCK]) {
+  FRAY_ASSERT(lane->key != NULL);
   uint8_t message[4 + TAG_AT];
   bytes_store32(message, lane->id);
   bytes_copy(message + 4, data, TAG_AT);
@@ -60,10 +65,11 @@ static void auth_tag_fd(const auth_lane *lane, const uint8_t *data, uint8_t tag[
 }
 
 auth_reason auth_seal(auth_lane *lane, frame *f) {
+  FRAY_ASSERT(lane != NULL && lane->key != NULL);
   uint8_t tag[CMAC_BLOCK];
   const auth_reason reason = auth_check_frame(f, lane->plain_id, PLAIN);
   if (reason != AUTH_OK) return reason;
-  if (lane->last >= lane->most) return AUTH_SPENT;
+  if (lane->last >= lane->max) return AUTH_SPENT;
   lane->last += 1;
   f->id = lane->id;
   f->fd = FRAME_FD | FRAME_FD_BRS;
@@ -85,6 +91,8 @@ static void auth_plain(const frame *f, uint32_t id, frame *out) {
 }
 
 auth_reason auth_open(auth_lane *lane, const frame *f, frame *out) {
+  FRAY_ASSERT(lane != NULL && lane->key != NULL);
+  FRAY_ASSERT(out != NULL);
   uint8_t tag[CMAC_BLOCK];
   auth_reason reason = auth_check_frame(f, lane->id, SEALED);
   if (reason == AUTH_OK && (f->fd & FRAME_FD) == 0) reason = AUTH_LENGTH;
@@ -93,7 +101,7 @@ auth_reason auth_open(auth_lane *lane, const frame *f, frame *out) {
     return reason;
   }
   const uint32_t freshness = bytes_load32(f->data + FRESHNESS_AT);
-  if (freshness <= lane->last || freshness > lane->most) {
+  if (freshness <= lane->last || freshness > lane->max) {
     auth_count(&lane->old, 1);
     return AUTH_OLD;
   }
@@ -102,6 +110,7 @@ auth_reason auth_open(auth_lane *lane, const frame *f, frame *out) {
     auth_count(&lane->forged, 1);
     return AUTH_FORGED;
   }
+  FRAY_ASSERT(freshness > lane->last && freshness <= lane->max);
   auth_count(&lane->lost, freshness - lane->last - 1u);
   auth_count(&lane->accepted, 1);
   lane->last = freshness;
@@ -110,6 +119,7 @@ auth_reason auth_open(auth_lane *lane, const frame *f, frame *out) {
 }
 
 int auth_strip(const frame *f, uint32_t instance, frame *out) {
+  FRAY_ASSERT(f != NULL && out != NULL);
   if (f->extended || f->rtr || f->error || f->length != SEALED) return 0;
   const dictionary_message message = dictionary_find(f->id, instance);
   if (message == MESSAGES || DICTIONARY[message].protects == MESSAGES) return 0;
@@ -121,21 +131,25 @@ int auth_strip(const frame *f, uint32_t instance, frame *out) {
 
 void auth_group_init(auth_group *group, const cmac_key *key, uint32_t instance, uint32_t hand,
                      uint32_t last) {
+  FRAY_ASSERT(group != NULL && key != NULL);
+  FRAY_ASSERT(instance < DICTIONARY_INSTANCES && hand < 2);
   bytes_zero(group, sizeof *group);
   group->key = key;
   group->pose_id = dictionary_id(dictionary_pose(hand), instance);
   group->tag_id = dictionary_id(dictionary_tag(hand), instance);
   group->last = last;
-  group->most = UINT32_MAX;
+  group->max = UINT32_MAX;
 }
 
-static void auth_group_hold(auth_group *group, const frame *pose) {
-  bytes_copy(group->poses[group->held], pose->data, PLAIN);
-  group->held += 1;
+static void auth_group_store(auth_group *group, const frame *pose) {
+  FRAY_ASSERT(group->count < AUTH_GROUP);
+  bytes_copy(group->poses[group->count], pose->data, PLAIN);
+  group->count += 1;
 }
 
 static void auth_tag_classic(const auth_group *group, uint32_t freshness,
                              uint8_t tag[CMAC_BLOCK]) {
+  FRAY_ASSERT(group->key != NULL && freshness != 0);
   uint8_t message[8 + AUTH_GROUP * PLAIN];
   bytes_store32(message, group->tag_id);
   bytes_store32(message + 4, freshness);
@@ -144,12 +158,13 @@ static void auth_tag_classic(const auth_group *group, uint32_t freshness,
 }
 
 int auth_group_add(auth_group *group, const frame *pose, frame *tag) {
+  FRAY_ASSERT(group != NULL && tag != NULL);
   uint8_t whole[CMAC_BLOCK];
   if (auth_check_frame(pose, group->pose_id, PLAIN) != AUTH_OK) return 0;
-  auth_group_hold(group, pose);
-  if (group->held < AUTH_GROUP) return 0;
-  group->held = 0;
-  if (group->last >= group->most) return 0;
+  auth_group_store(group, pose);
+  if (group->count < AUTH_GROUP) return 0;
+  group->count = 0;
+  if (group->last >= group->max) return 0;
   group->last += 1;
   auth_tag_classic(group, group->last, whole);
   bytes_zero(tag, sizeof *tag);
@@ -160,35 +175,39 @@ int auth_group_add(auth_group *group, const frame *pose, frame *tag) {
   return 1;
 }
 
-void auth_watch_init(auth_watch *watch, const cmac_key *key, uint32_t instance, uint32_t hand,
+void auth_monitor_init(auth_monitor *monitor, const cmac_key *key, uint32_t instance, uint32_t hand,
                      uint32_t last) {
-  bytes_zero(watch, sizeof *watch);
-  auth_group_init(&watch->group, key, instance, hand, last);
+  FRAY_ASSERT(monitor != NULL);
+  bytes_zero(monitor, sizeof *monitor);
+  auth_group_init(&monitor->group, key, instance, hand, last);
 }
 
-void auth_watch_clear(auth_watch *watch) {
-  watch->level = 0;
-  watch->failed = 0;
-  watch->group.held = 0;
+void auth_monitor_clear(auth_monitor *monitor) {
+  FRAY_ASSERT(monitor != NULL);
+  monitor->level = 0;
+  monitor->failed = 0;
+  monitor->group.count = 0;
 }
 
-static void auth_watch_fail(auth_watch *watch, uint32_t *counter) {
+static void auth_monitor_fail(auth_monitor *monitor, uint32_t *counter) {
+  FRAY_ASSERT(monitor->failed == 0 && monitor->level < AUTH_LEVEL_MAX);
   auth_count(counter, 1);
-  watch->level += AUTH_FAILURE;
-  if (watch->level < AUTH_LEVEL_MAX) return;
-  watch->level = AUTH_LEVEL_MAX;
-  watch->failed = 1;
+  monitor->level += AUTH_FAILURE;
+  if (monitor->level < AUTH_LEVEL_MAX) return;
+  monitor->level = AUTH_LEVEL_MAX;
+  monitor->failed = 1;
 }
 
-static auth_verdict auth_watch_pose(auth_watch *watch, const frame *f) {
-  if (watch->group.held == AUTH_GROUP) {
-    auth_watch_fail(watch, &watch->missing);
-    watch->group.held = 0;
-    if (watch->failed != 0) return AUTH_WATCH_FAILED;
+static auth_verdict auth_monitor_pose(auth_monitor *monitor, const frame *f) {
+  FRAY_ASSERT(monitor->group.count <= AUTH_GROUP);
+  if (monitor->group.count == AUTH_GROUP) {
+    auth_monitor_fail(monitor, &monitor->missing);
+    monitor->group.count = 0;
+    if (monitor->failed != 0) return AUTH_MONITOR_FAILED;
   }
-  auth_group_hold(&watch->group, f);
-  auth_count(&watch->poses, 1);
-  return AUTH_WATCH_POSE;
+  auth_group_store(&monitor->group, f);
+  auth_count(&monitor->poses, 1);
+  return AUTH_MONITOR_POSE;
 }
 
 /* The smallest freshness above `last` with these low 16 bits; 0 iff there is none. */
@@ -200,30 +219,34 @@ static uint32_t auth_freshness(uint32_t last, uint16_t low) {
 
 static int auth_tag_fits(const auth_group *group, const frame *f, uint32_t freshness) {
   uint8_t tag[CMAC_BLOCK];
-  if (f->length != PLAIN || f->rtr || group->held != AUTH_GROUP || freshness == 0) return 0;
+  if (f->length != PLAIN || f->rtr || group->count != AUTH_GROUP || freshness == 0) return 0;
   auth_tag_classic(group, freshness, tag);
   return cmac_differs(tag, f->data + 2, AUTH_TAG_CLASSIC) == 0;
 }
 
-static auth_verdict auth_watch_tag(auth_watch *watch, const frame *f) {
-  auth_group *group = &watch->group;
+static auth_verdict auth_monitor_tag(auth_monitor *monitor, const frame *f) {
+  FRAY_ASSERT(monitor->group.count <= AUTH_GROUP);
+  auth_group *group = &monitor->group;
   const uint32_t freshness = auth_freshness(group->last, bytes_load16(f->data));
   const int fits = auth_tag_fits(group, f, freshness);
-  group->held = 0;
+  group->count = 0;
   if (!fits) {
-    auth_watch_fail(watch, &watch->bad);
-    return watch->failed ? AUTH_WATCH_FAILED : AUTH_WATCH_BAD;
+    auth_monitor_fail(monitor, &monitor->bad);
+    return monitor->failed ? AUTH_MONITOR_FAILED : AUTH_MONITOR_BAD;
   }
+  FRAY_ASSERT(freshness > group->last);
   group->last = freshness;
-  watch->level -= watch->level > 0;
-  auth_count(&watch->good, 1);
-  return AUTH_WATCH_GOOD;
+  monitor->level -= monitor->level > 0;
+  auth_count(&monitor->good, 1);
+  return AUTH_MONITOR_GOOD;
 }
 
-auth_verdict auth_watch_take(auth_watch *watch, const frame *f) {
-  if (f->extended || f->error) return AUTH_WATCH_OTHER;
-  const int pose = auth_check_frame(f, watch->group.pose_id, PLAIN) == AUTH_OK;
-  if (!pose && f->id != watch->group.tag_id) return AUTH_WATCH_OTHER;
-  if (watch->failed != 0) return AUTH_WATCH_FAILED;
-  return pose ? auth_watch_pose(watch, f) : auth_watch_tag(watch, f);
+auth_verdict auth_monitor_check(auth_monitor *monitor, const frame *f) {
+  FRAY_ASSERT(monitor != NULL && f != NULL);
+  FRAY_ASSERT((monitor->failed != 0) == (monitor->level == AUTH_LEVEL_MAX));
+  if (f->extended || f->error) return AUTH_MONITOR_OTHER;
+  const int pose = auth_check_frame(f, monitor->group.pose_id, PLAIN) == AUTH_OK;
+  if (!pose && f->id != monitor->group.tag_id) return AUTH_MONITOR_OTHER;
+  if (monitor->failed != 0) return AUTH_MONITOR_FAILED;
+  return pose ? auth_monitor_pose(monitor, f) : auth_monitor_tag(monitor, f);
 }

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "rt/wire/cmac.h"
 
+#include "rt/base/assert.h"
 #include "rt/base/bytes.h"
 
 enum { PLANES = CMAC_PLANES, MASK = 0xFFFF };
 
-/* Planes: byte n of a block is column n / 4 and row n % 4 of the state, and bit n of each plane. A
- * column is a nibble of a plane, a row every fourth bit. */
+/* Byte n of a block is column n / 4 and row n % 4 of the state, and bit n of each plane: a column is a
+ * nibble of a plane, a row every fourth bit. */
 typedef struct {
   uint32_t at[PLANES];
 } planes;
@@ -135,6 +136,8 @@ static void cmac_sbox_out(const uint32_t z[18], planes *p) {
 
 static void cmac_sub_bytes(planes *s) {
   uint32_t y[22], z[18];
+  FRAY_ASSERT((s->at[0] | s->at[1] | s->at[2] | s->at[3]) <= MASK);
+  FRAY_ASSERT((s->at[4] | s->at[5] | s->at[6] | s->at[7]) <= MASK);
   cmac_sbox_in(s, y);
   cmac_sbox_invert(y, z);
   cmac_sbox_out(z, s);
@@ -149,11 +152,11 @@ static void cmac_shift_rows(planes *s) {
   }
 }
 
-/* Each row of a column takes the place of the one above it. */
+/* Each row of a column moves to the place of the one above it. */
 static uint32_t cmac_rows_up(uint32_t p) { return (p >> 1 & 0x7777) | (p << 3 & 0x8888); }
 
-/* With up(a) = a, each row in place of the one above: 2 (a + up a) + up (a + up (a + up a)).
- * Doubling moves every plane up by one; the top one comes back into those of 0x1B. */
+/* With up(a) = a, each row moved to the place of the one above: 2 (a + up a) + up (a + up (a + up a)).
+ * Doubling moves every plane up by one; the top one is added to the planes of 0x1B. */
 static void cmac_mix_columns(planes *s) {
   uint32_t sum[PLANES] = {0}; /* gcc's analyzer does not see that the loop fills it */
   for (uint32_t b = 0; b < PLANES; ++b) sum[b] = s->at[b] ^ cmac_rows_up(s->at[b]);
@@ -170,6 +173,7 @@ static void cmac_add_key(planes *s, const uint16_t round[PLANES]) {
 }
 
 void cmac_encrypt(const cmac_key *key, const uint8_t in[CMAC_BLOCK], uint8_t out[CMAC_BLOCK]) {
+  FRAY_ASSERT(key != NULL && in != NULL && out != NULL);
   planes s;
   cmac_slice(&s, in);
   cmac_add_key(&s, key->round[0]);
@@ -188,6 +192,7 @@ void cmac_encrypt(const cmac_key *key, const uint8_t in[CMAC_BLOCK], uint8_t out
 /* FIPS-197, 5.2, on planes: the last column, substituted and turned by one row, is added to the
  * first with the round's constant; then every column takes the sum of those up to it. */
 static void cmac_expand(cmac_key *key, const uint8_t bytes[CMAC_KEY]) {
+  FRAY_ASSERT(key != NULL && bytes != NULL);
   static const uint8_t CONSTANTS[CMAC_ROUNDS] = {0x01, 0x02, 0x04, 0x08, 0x10,
                                                  0x20, 0x40, 0x80, 0x1B, 0x36};
   planes k;
@@ -206,7 +211,7 @@ static void cmac_expand(cmac_key *key, const uint8_t bytes[CMAC_KEY]) {
   }
 }
 
-/* Times x in GF(2^128), bytes from the top; 0x87 is what comes back. */
+/* Times x in GF(2^128), bytes from the top, reduced by 0x87. */
 static void cmac_double(const uint8_t in[CMAC_BLOCK], uint8_t out[CMAC_BLOCK]) {
   const uint32_t top = (uint32_t)in[0] >> 7;
   for (uint32_t n = 0; n < CMAC_BLOCK; ++n) {
@@ -217,6 +222,7 @@ static void cmac_double(const uint8_t in[CMAC_BLOCK], uint8_t out[CMAC_BLOCK]) {
 }
 
 void cmac_key_init(cmac_key *key, const uint8_t bytes[CMAC_KEY]) {
+  FRAY_ASSERT(key != NULL && bytes != NULL);
   uint8_t zero[CMAC_BLOCK];
   cmac_expand(key, bytes);
   bytes_zero(zero, sizeof zero);
@@ -226,10 +232,13 @@ void cmac_key_init(cmac_key *key, const uint8_t bytes[CMAC_KEY]) {
 }
 
 static void cmac_mix_in(uint8_t state[CMAC_BLOCK], const uint8_t *data, uint32_t bytes) {
+  FRAY_ASSERT(bytes <= CMAC_BLOCK);
   for (uint32_t n = 0; n < bytes; ++n) state[n] = (uint8_t)(state[n] ^ data[n]);
 }
 
 void cmac_tag(const cmac_key *key, const uint8_t *data, uint32_t bytes, uint8_t tag[CMAC_BLOCK]) {
+  FRAY_ASSERT(key != NULL && tag != NULL);
+  FRAY_ASSERT(data != NULL || bytes == 0);
   uint8_t state[CMAC_BLOCK];
   uint32_t from = 0;
   bytes_zero(state, sizeof state);
@@ -238,6 +247,7 @@ void cmac_tag(const cmac_key *key, const uint8_t *data, uint32_t bytes, uint8_t 
     cmac_encrypt(key, state, state);
   }
   const uint32_t rest = bytes - from;
+  FRAY_ASSERT(rest <= CMAC_BLOCK);
   if (rest > 0) cmac_mix_in(state, data + from, rest);
   if (rest == CMAC_BLOCK) {
     cmac_mix_in(state, key->whole, CMAC_BLOCK);
@@ -249,6 +259,7 @@ void cmac_tag(const cmac_key *key, const uint8_t *data, uint32_t bytes, uint8_t 
 }
 
 uint32_t cmac_differs(const uint8_t *a, const uint8_t *b, uint32_t bytes) {
+  FRAY_ASSERT(a != NULL && b != NULL);
   uint32_t difference = 0;
   for (uint32_t n = 0; n < bytes; ++n) difference |= (uint32_t)(a[n] ^ b[n]);
   return difference;

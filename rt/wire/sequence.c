@@ -1,17 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "rt/wire/sequence.h"
 
+#include <stddef.h>
+
+#include "rt/base/assert.h"
+
 void sequence_begin(sequence *s, uint8_t last) {
+  FRAY_ASSERT(s != NULL);
   s->last = last & 15u;
   s->old_next = 0;
   s->old_run = 0;
 }
 
 uint32_t sequence_ahead(const sequence *s, uint8_t counter) {
+  FRAY_ASSERT(s != NULL && s->last <= 15);
+  FRAY_ASSERT(counter <= 15);
   return ((uint32_t)counter + 16u - s->last) & 15u;
 }
 
 sequence_result sequence_take(sequence *s, uint8_t counter) {
+  FRAY_ASSERT(s->old_next <= 15 && s->old_run < SEQUENCE_RESTART);
   const uint32_t ahead = sequence_ahead(s, counter);
   if (ahead == 0) return SEQUENCE_REPEATED;
   if (ahead > SEQUENCE_AHEAD) {

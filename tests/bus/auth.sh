@@ -22,6 +22,14 @@ end_keyed_session() {
   end_hand
   stop_log "$1"
 }
+keyed_until_torn() { # SESSION [OPTION]: a guest that stood still for 2 ms has lost its bus
+  for attempt in 1 2 3 4 5 6 7 8; do
+    keyed_session "$1" tear ${2:+"$2"}
+    end_keyed_session "$1"
+    cuts=$(number "$1" 'breaks      ')
+    if [ "$cuts" -gt 0 ]; then break; fi
+  done
+}
 verify_keyed() { "$fray" verify "$1" --scene "$work/sheet.img" --key "$work/bus.key" >"$work/verify.out" 2>&1; } # LOG
 verifies_keyed() { # SESSION LOG
   if ! verify_keyed "$2" || ! is "$(verified_hash)" "$(hash_of "$1")"; then
@@ -37,16 +45,12 @@ kept_at() { sed -n "s/^sent $2 //p" "$work/$1.lanes"; } # END ID
 not_used() { sed -n 's/.* good tag, \([0-9]*\) others.*/\1/p' "$work/verify.out"; }
 
 # ---- 11: CAN FD
+flooded() { [ "$(grep -c ' 4..#' "$work/$1.can")" -ge "$2" ]; } # SESSION COUNT: a flood has as many of these as forged frames
 hand_speaks() { grep -q ' 109##' "$work/$1.can" && grep -q ' 10A##' "$work/$1.can" && grep -q ' 020##' "$work/$1.can"; }
 test_key() {
   make_keys
-  for attempt in 1 2 3 4 5 6 7 8; do # a guest that stood still for 2 ms has lost its bus
-    keyed_session key tear
-    end_keyed_session key
-    cuts=$(number key 'springs cut ')
-    if [ "$cuts" -gt 0 ]; then break; fi
-  done
-  figure "key: CAN FD, $(lane key POSE_LEFT_AUTH good) and $(lane key POSE_RIGHT_AUTH good) poses, $cuts springs cut (attempt $attempt), lateness $(lateness key)"
+  keyed_until_torn key
+  figure "key: CAN FD, $(lane key POSE_LEFT_AUTH good) and $(lane key POSE_RIGHT_AUTH good) poses, $cuts springs broken (attempt $attempt), lateness $(lateness key)"
   holds "key: the sheet tears" [ "$cuts" -gt 0 ]
   holds "key: candump's log verifies" verifies_keyed key "$work/key.can"
   holds "key: every frame in it is used" is "$(not_used)" 0
@@ -66,7 +70,7 @@ test_key() {
   "$fray" hand --can "$device_bus" "$work/hold.hand" --patience 0 --drop 1000 --flood 2000 --key "$work/other.key" >"$work/forger.out" 2>&1 &
   forger=$!
   canplayer -I "$work/replayed.log" "$bus=$bus" >"$work/canplayer.out" 2>&1 || fail "canplayer: $(cat "$work/canplayer.out")"
-  sleep 0.5
+  until_true flooded attack 400 || fail "key, attacked: the forger does not come through"
   kill "$fray_pid"
   end_fray attack
   kill "$forger" 2>/dev/null || true
@@ -85,16 +89,14 @@ test_key() {
 
 # ---- 12: classic CAN
 ever() { awk -v id="$2" -v from="$3" -v want="$4" '$3 ~ "^" id "#" && substr($3, from, length(want)) == want { found = 1 } END { exit !found }' "$work/$1.can"; } # SESSION ID PLACE DIGITS
+# SESSION: one hand has a pose for each SYNC, a second one makes them more
+surplus_poses() { awk '$3 ~ /^101#/ { ++n } $3 ~ /^080#/ { --n } END { print n + 0 }' "$work/$1.can"; }
+forged_poses() { [ "$(surplus_poses "$1")" -ge "$2" ]; } # SESSION COUNT
 said_all() { [ "$(grep -c ' 010#' "$work/forger.can")" -ge 7 ]; } # hold.hand has seven
 test_tags() {
   make_keys
-  for attempt in 1 2 3 4 5 6 7 8; do # a guest that stood still for 2 ms has lost its bus
-    keyed_session tags tear --classic-tags
-    end_keyed_session tags
-    cuts=$(number tags 'springs cut ')
-    if [ "$cuts" -gt 0 ]; then break; fi
-  done
-  figure "tags: classic CAN, $(lane tags TAG_LEFT good) and $(lane tags TAG_RIGHT good) TAGs good, $(lane tags TAG_LEFT bad) and $(lane tags TAG_RIGHT bad) bad, $cuts springs cut (attempt $attempt)"
+  keyed_until_torn tags --classic-tags
+  figure "tags: classic CAN, $(lane tags TAG_LEFT good) and $(lane tags TAG_RIGHT good) TAGs good, $(lane tags TAG_LEFT bad) and $(lane tags TAG_RIGHT bad) bad, $cuts springs broken (attempt $attempt)"
   holds "tags: the sheet tears" [ "$cuts" -gt 0 ]
   holds "tags: candump's log verifies with the key" verifies_keyed tags "$work/tags.can"
   holds "tags: candump's log verifies without it" verifies tags "$work/tags.can"
@@ -109,7 +111,8 @@ test_tags() {
   until_true forces forger || true
   "$fray" hand --can "$device_bus" "$work/forger.hand" --patience 0 >"$work/forger.hand2.out" 2>&1 &
   forger=$!
-  sleep 1
+  surplus=$(surplus_poses forger)
+  until_true forged_poses forger $((surplus + 40)) || fail "tags, forged: the forger does not come through"
   kill "$forger" && wait "$forger" || true
   kill "$fray_pid"
   end_keyed_session forger

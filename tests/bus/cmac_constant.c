@@ -16,7 +16,7 @@ static uint8_t key_bytes[CMAC_KEY];
 static frame sealed;
 static cmac_key key;
 static auth_lane lane;
-static auth_watch watch;
+static auth_monitor watch;
 static uint32_t result;
 
 #ifdef CMAC_LEAKS
@@ -52,7 +52,7 @@ void measured_tag(void) {
   tag.id = watch.group.tag_id;
   tag.length = 8;
   tag.data[0] = 1;
-  result |= (uint32_t)auth_watch_take(&watch, &tag);
+  result |= (uint32_t)auth_monitor_check(&watch, &tag);
 }
 __attribute__((noinline)) void measured_key(void);
 void measured_key(void) { cmac_key_init(&key, key_bytes); }
@@ -77,9 +77,9 @@ static void count(unsigned calls) {
     sealed.data[8] |= 1;
     measured_open();
     measured_key();
-    auth_watch_init(&watch, &key, 0, 0, 0);
+    auth_monitor_init(&watch, &key, 0, 0, 0);
     fill(watch.group.poses[0], sizeof watch.group.poses, n);
-    watch.group.held = AUTH_GROUP;
+    watch.group.count = AUTH_GROUP;
     measured_tag();
   }
 }

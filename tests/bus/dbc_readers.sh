@@ -21,11 +21,17 @@ EXPECTED = [
     (0x101, "28A3010002FF0080", {"Counter": 3, "Buttons": 10, "X": 2, "Y": -508, "Z": -65536}),
     (0x109, "28A3010002FF008078563412CFD4B5BF447B45B3",
      {"Counter": 3, "X": 2, "Z": -65536, "Freshness": 0x12345678, "Tag0": 0xBFB5D4CF, "Tag1": 0xB3457B44}),
-    (0x020, "EC01010000000000010000001A7E6F6E190A0D72", {"Verb": "START", "Freshness": 1}),
+    (0x709, "EFBEADDE01000080", {"Physics": 0xDEADBEEF, "TickHigh": 0x80000001}),
+    (0x020, "EC01010000000000010000001A7E6F6E190A0D72", {"Command": "START", "Freshness": 1}),
     (0x301, "01009F0C5A934395", {"Freshness": 1, "Tag": 0x9543935A0C9F}),
     (0x181, "0025FFFF02000180", {"Counter": 5, "Consumed": 2, "X": -0.5, "Y": 1, "Z": -16383.5}),
     (0x701, "0332210000000100", {"State": "SAFE", "PoolFill": 50, "StaleLeft": "STALE_LEFT",
-                                 "Halted": "HALTED", "CutsWait": "OK", "Tears": 1}),
+                                 "Halted": "HALTED", "BreakBudget": "OK", "Tears": 1}),
+    (0x701, "0300080F00000000", {"StaleLeft": "OK", "BreakBudget": "BREAK_BUDGET", "ParticlesFull": "OK",
+                                 "SelfCollisionBudget": "SELF_COLLISION_BUDGET", "ContactUnresolved": "CONTACT_UNRESOLVED",
+                                 "MeshQueryBudget": "MESH_QUERY_BUDGET", "TrianglesFull": "TRIANGLES_FULL"}),
+    (0x701, "0300C00000000000", {"Halted": "OK", "ParticlesFull": "PARTICLES_FULL", "SplitBudget": "SPLIT_BUDGET",
+                                 "SelfCollisionBudget": "OK"}),
 ]
 CYCLES = {0x080: 1, 0x101: 1, 0x109: 1, 0x189: 1, 0x301: 4, 0x701: 100, 0x010: 0}
 try:
@@ -49,7 +55,7 @@ except ImportError:
             out[k] = v.named_value if v.signal.values else float(v.phys_value)
         return out
 bad = [] if fd_bus else ["BusType is not CAN FD"]
-if len(messages) != 17: bad.append("%d messages" % len(messages))
+if len(messages) != 18: bad.append("%d messages" % len(messages))
 for id, (message, length, fd, cycle, comment) in messages.items():
     if fd != message.endswith("_AUTH") or length != (20 if fd else 8): bad.append("%s: FD %s, %d bytes" % (message, fd, length))
     if not comment: bad.append(message + " has no comment")

@@ -3,7 +3,8 @@
  * socket had it, and what a port must have made of it, as NAME=VALUE for the shell:
  *   foreign  frames of ids that no message of instance 0 has: the filters let them in
  *   taken    POSEs and COMMANDs of others that came before the last SYNC; `good` pass the check
- *   waiting  of these, what a queue of 256 that is looked at 64 a tick still holds at the end
+ *   waiting  of these, what a queue of 256 that is looked at 64 a tick still holds at the end: the last SYNC
+ *            closes the recording, and has no tick
  *   ticks, busiest: the most frames for one tick; crowded: ticks that left some for a later one
  *   behind   ticks that had consumed nothing as new as the newest right-hand POSE before the SYNC of
  *            the tick before, though that was among the frames looked at by then
@@ -29,6 +30,7 @@ typedef struct {
   uint32_t foreign, ticks, busiest, crowded, behind, consumed;
   uint32_t waiting;        /* left by the last tick */
   uint32_t waiting_before; /* and by the one before it */
+  uint32_t queued;         /* when the last SYNC came */
   uint32_t arrived;        /* since the last SYNC */
   seen now, sync, sync_before; /* now, and when the last two ticks began */
   uint32_t newest[COUNTERS];   /* number of the last right-hand POSE with this counter */
@@ -47,6 +49,7 @@ static void on_sync(facts *f, const codec_sync *sync) {
   if (f->arrived > f->busiest) f->busiest = f->arrived;
   f->waiting_before = f->waiting;
   f->waiting += f->arrived;
+  f->queued = f->waiting;
   f->waiting -= least(f->waiting, PORT_FRAMES_PER_TICK);
   f->crowded += f->waiting != 0;
   f->arrived = 0;
@@ -64,7 +67,7 @@ static void on_input(facts *f, const frame *in) {
   codec_command command;
   const int is_command = codec_decode_command(in, 0, &command) == CODEC_OK;
   const int runtimes_own =
-      is_command && (command.verb == FRAY_VERB_STOP || command.verb == FRAY_VERB_HALT);
+      is_command && (command.command == FRAY_COMMAND_STOP || command.command == FRAY_COMMAND_HALT);
   if (runtimes_own) return;
   f->now.others += 1;
   f->now.good += is_command || codec_decode_pose(in, 0, 0, &pose) == CODEC_OK;
@@ -96,8 +99,7 @@ static void take(facts *f, const frame *in) {
 int main(int argc, char **argv) {
   candump_log log;
   candump_error error;
-  facts f;
-  memset(&f, 0, sizeof f);
+  facts f = {0};
   if (argc != 2) {
     fprintf(stderr, "usage: flood_facts FRAYS_OWN.log\n");
     return 2;
@@ -109,8 +111,8 @@ int main(int argc, char **argv) {
   for (size_t n = 0; n < log.count; ++n) take(&f, &log.entries[n].frame);
   printf("foreign=%u taken=%u good=%u waiting=%u ticks=%u busiest=%u crowded=%u behind=%u "
          "consumed=%u\n",
-         f.foreign, f.sync.others, f.sync.good, f.waiting, f.ticks, f.busiest, f.crowded,
-         f.behind, f.consumed);
+         f.foreign, f.sync.others, f.sync.good, f.queued, f.ticks - 1, f.busiest,
+         f.crowded, f.behind, f.consumed);
   candump_free(&log);
   return 0;
 }

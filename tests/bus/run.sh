@@ -4,6 +4,7 @@
 # host where it has vcan, else a guest), and the lateness of the host's own clock beside them.
 # FRAY_BUS_SOAK=1, `make bus-soak`: longer.
 # tests/bus/run.sh qemu: `make bus-test-qemu`: two emulated controllers; vcan with unpinned queues.
+# tests/bus/run.sh keys: the sessions under a key; sessions: the others; bed: the bed itself. `make guests`.
 . tests/lib/suite.sh
 guest=tests/bus/guest.sh
 said=$FRAY_BUILD/tests/bus/said.txt
@@ -25,6 +26,12 @@ sessions() {
   suite_failed=$((suite_failed + ${bad%% failed}))
 }
 
+plain='twenty workers play stop flood kill trouble flap lateness interop'
+case ${1:-} in
+  bed) exec sh tests/bus/bed.sh ;;
+  sessions) set -- $plain ;;
+  keys) set -- key tags stranger again ;;
+esac
 ready=1
 if ! why=$(sh $guest --check 2>&1); then not_run "the bed (${why##*sh: })" 'the packages named' && ready=0; fi
 for tool in candump canplayer cansend; do
@@ -32,14 +39,14 @@ for tool in candump canplayer cansend; do
 done
 if [ $ready = 1 ]; then
   if [ "${1:-}" = qemu ]; then
-    export FRAY_GUEST=qemu FRAY_GUEST_SECONDS="${FRAY_GUEST_SECONDS:-900}"
+    export FRAY_GUEST=qemu FRAY_GUEST_SECONDS="${FRAY_GUEST_SECONDS:-4000}"
     sessions controllers
     FRAY_GUEST_ORDER=0 sessions unpinned
   else
     seconds=10
     if [ "${FRAY_BUS_SOAK:-0}" = 1 ]; then seconds=30; fi
     echo "  figure 1 kHz for $seconds s, host without CAN: bare loop: $("$bare_timer" $seconds)"
-    export FRAY_GUEST_SECONDS="${FRAY_GUEST_SECONDS:-3000}"
+    export FRAY_GUEST_SECONDS="${FRAY_GUEST_SECONDS:-6000}"
     sessions "$@"
   fi
 fi

@@ -33,11 +33,12 @@ scene_says() {
 }
 
 "$FRAY" scene "$small" -o "$cd_work/s.img" >/dev/null
-"$FRAY" hand -o "$cd_work/s.log" tests/cross/small.hand
+"$FRAY" hand -o "$cd_work/s.log" tests/determinism/small.hand
 image=$cd_work/s.img log=$cd_work/s.log
 
 # ---- use
-wants 0 "usage: fray VERB" "$FRAY" --help
+echo "--help" >"$cd_work/always"
+wants 0 "usage: fray COMMAND" "$FRAY" --help
 wants 0 "image format" "$FRAY" --version
 for verb in scene run verify hand render info bench; do
   wants 0 "usage: fray $verb" "$FRAY" "$verb" --help
@@ -45,8 +46,17 @@ for verb in scene run verify hand render info bench; do
   wants 0 "$verb" "$FRAY" --help
 done
 for verb in scene run verify hand render info; do wants 2 "fray $verb" "$FRAY" "$verb"; done
-wants 2 "usage: fray VERB" "$FRAY"
-wants 2 "no verb 'fly'" "$FRAY" fly
+# every option is in the help text, and the help text has no others
+for verb in scene run verify hand render info bench; do
+  "$FRAY" "$verb" --nonsense 2>&1 | sed 's/.*options: //' | tr ' ' '\n' | LC_ALL=C sort -u >"$cd_work/options"
+  "$FRAY" "$verb" --help | grep -o -e '--[a-z-]*[a-z]' -e '^ *-o ' | tr -d ' ' | cat - "$cd_work/always" | LC_ALL=C sort -u >"$cd_work/helped"
+  if diff "$cd_work/options" "$cd_work/helped" >"$cd_work/said"; then pass; else fail "fray $verb --help: $(cat "$cd_work/said")"; fi
+  wants 0 "usage: fray $verb" "$FRAY" help "$verb"
+done
+wants 2 "no command 'fly'" "$FRAY" help fly
+wants 2 "usage: fray COMMAND" "$FRAY"
+wants 0 "fray $(sed -n 's/^#define FRAY_VERSION "\(.*\)"$/\1/p' rt/fray.h), image format" "$FRAY" --version
+wants 2 "no command 'fly'" "$FRAY" fly
 wants 2 "'extra'" "$FRAY" run "$image" extra
 wants 2 "--ticks '0', expected a number from 1" "$FRAY" run "$image" --ticks 0
 wants 2 "--ticks 'many'" "$FRAY" run "$image" --ticks many
@@ -63,6 +73,7 @@ wants 2 "--size 63x900, expected WIDTHxHEIGHT, 64 to 4096" "$FRAY" render "$imag
 wants 2 "--view up, expected YAW,PITCH" "$FRAY" render "$image" --view up
 wants 2 "--every 5, expected a time" "$FRAY" render "$image" --every 5
 wants 1 "cannot be" "$FRAY" render "$image" --at 1ms -o /dev/null/x
+for look in --yarn --wire; do wants 2 "$look draws the" "$FRAY" render tests/scenes/flag.scene $look --at 1ms -o "$cd_work/look"; done
 wants 2 "--instance" "$FRAY" verify "$log" --scene "$image" --instance 9
 
 # ---- frames: so many, evenly, the first and the last among them; two looks; one contact sheet
@@ -96,19 +107,20 @@ if [ -w /dev/full ]; then
 fi
 
 # ---- scenes
-scene_says 's/spacing/spaceing/' "12:3: found 'spaceing', expected a key of the sheet: warps"
+scene_says 's/spacing/spaceing/' "12:3: found 'spaceing' (did you mean 'spacing'?), expected a key of the woven cloth: warps"
 scene_says 's/12 .cm/12 s/' "12:14: found 's', expected a unit of length"
 scene_says 's/-981 0 cm.s2/-981 0 cm/' "6:"
 scene_says 's/warps 8/warps 1025/' "10:9: found '1025', expected 2 to 1024 for 'warps'"
 scene_says 's/wefts 8/wefts 1/' "11:9: found '1', expected 2 to 1024"
 scene_says 's/pin row top/pin crossing 8 0/' "22:1: found a pin at warp 8, weft 0, expected it inside the grid"
-scene_says '/^sheet/,/^}/d' "1:1: the scene has no 'sheet'"
+scene_says '/^woven/,/^}/d' "1:1: the scene has no cloth"
 scene_says 's/substeps 8/substeps 129/' "5:10: found '129', expected"
 scene_says 's/substeps 8/substeps eight/' "5:10: found 'eight'"
 scene_says 's/rate 1000 Hz/rate 20 kHz/' "4:6:"
 scene_says 's/seed 88/seed 88 seed 9/' "7:"
 scene_says 's/radius 0.1 cm/radius -1 cm/' "25:"
 scene_says 's/contacts 16/contacts 9999999/' "32:"
+scene_says 's/^woven/sheet/' "9:1: 'sheet' is now 'woven'"
 scene_says '$d' "34:1: found the end of the file, expected '}' for limits of line 31"
 # ---- meshes: mesh_says 'OBJ' 'KEYS' WORDS
 mesh_says() {
@@ -126,8 +138,17 @@ mesh_says "${square}f 1 2 3 4\nl 2 4\n" "sharp named" "case.obj:6: found a line 
 mesh_says "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n" "" "case.obj:4: found a triangle of points 1, 2 and 3 that is flatter"
 mesh_says "${square}f 1 2 3 4\n" "unit 20 cm" "case.obj:2: found a point too far out"
 rm "$cd_work/case.obj"
-wants 2 "case.obj: cannot be opened" "$FRAY" scene "$cd_work/mesh.scene" -o "$cd_work/bad.img"
+wants 2 "mesh.scene:35:10: mesh 'm': $cd_work/case.obj: cannot be opened: No such file" "$FRAY" scene "$cd_work/mesh.scene" -o "$cd_work/bad.img"
 mesh_says "${square}f 1 2 3 4\n" "sharp keen" "mesh.scene:35:44: found 'keen', expected off or named for 'sharp'"
+# a key without effect: said, and the image is made
+sed 's/tear 5 10 %/tear 5 10 % pleats 3/' "$small" >"$cd_work/idle.scene"
+wants 0 "idle.scene:19:15: note: 'pleats' has no effect: 'gather' is 0" "$FRAY" scene "$cd_work/idle.scene" -o "$cd_work/idle.img"
+if cmp "$cd_work/idle.img" "$image"; then pass; else fail "a note changes the image"; fi
+wants 0 "note: 'pleats' has no effect" "$FRAY" run "$cd_work/idle.scene" --ticks 1
+noted=$(find tests tools rt -name '*.scene' | while read -r scene; do
+  "$FRAY" scene "$scene" -o "$cd_work/idle.img" 2>&1 | grep '[0-9]: note: ' || true
+done)
+if [ -z "$noted" ]; then pass; else fail "scenes of the repository have notes: $noted"; fi
 printf 'scene x\n\001\377' >"$cd_work/binary.scene"
 wants 2 "binary.scene:2:1" "$FRAY" scene "$cd_work/binary.scene"
 
@@ -148,7 +169,7 @@ done
 wants 2 "the image is damaged (CRC)" "$FRAY" verify "$log" --scene "$cd_work/flipped.img"
 "$alter" mend "$image" 51 >"$cd_work/version.img" # the major version, 1 to 9
 wants 2 "another version of the image format" "$FRAY" run "$cd_work/version.img"
-"$alter" mend "$image" 4251 >"$cd_work/field.img" # params: substeps, or what stands there
+"$alter" mend "$image" 4379 >"$cd_work/field.img" # params: substeps, or what stands there
 "$FRAY" info "$cd_work/field.img" >/dev/null 2>&1 || wants 2 "section 1" "$FRAY" info "$cd_work/field.img"
 wants 0 "hash " "$FRAY" run "$image" --ticks 5 --save "$cd_work/saved.img"
 wants 0 "at tick 5" "$FRAY" info "$cd_work/saved.img"
@@ -168,13 +189,47 @@ wants 0 "tears 0" "$FRAY" run "$image" --log "$cd_work/other.log"
 # a pose whose check is wrong is not taken, the run goes on
 sed '300s/#../#00/' "$log" >"$cd_work/crc.log"
 wants 0 "hash " "$FRAY" run "$image" --log "$cd_work/crc.log"
-wants 2 "torn.hand:" "$FRAY" run tests/cross/torn.hand
+wants 2 "torn.hand:" "$FRAY" run tests/determinism/torn.hand
 
 # ---- scripts
-sed 's/0.6 s  2/0.6 s  200/' tests/cross/small.hand >"$cd_work/bad.hand"
+sed 's/0.6 s  2/0.6 s  200/' tests/determinism/small.hand >"$cd_work/bad.hand"
 wants 2 "bad.hand:11:" "$FRAY" hand -o "$cd_work/x.log" "$cd_work/bad.hand"
-sed 's/start/stat/' tests/cross/small.hand >"$cd_work/bad.hand"
+sed 's/start/stat/' tests/determinism/small.hand >"$cd_work/bad.hand"
 wants 2 "bad.hand:7:" "$FRAY" hand -o "$cd_work/x.log" "$cd_work/bad.hand"
+sed 's/duration 0.8 s/duration 0.7 s/' tests/determinism/small.hand >"$cd_work/bad.hand"
+wants 2 "bad.hand:12:3: found '0.8', expected the keyframes of a hand within the duration" "$FRAY" hand -o "$cd_work/x.log" "$cd_work/bad.hand"
+sed 's/command 0.01 s/command 0.8 s/' tests/determinism/small.hand >"$cd_work/bad.hand"
+wants 2 "bad.hand:7:9: found '0.8', expected commands before the duration is over" "$FRAY" hand -o "$cd_work/x.log" "$cd_work/bad.hand"
+
+# ---- what a run says of its hands, its cloth and its end
+sed '/^command/d' tests/determinism/small.hand >"$cd_work/still.hand"
+"$FRAY" hand -o "$cd_work/still.log" "$cd_work/still.hand"
+wants 0 "state        ready: the hands never started, no START was accepted" "$FRAY" run "$image" --log "$cd_work/still.log"
+wants 0 "state        operational" "$FRAY" run "$image" --log "$log"
+sed 's/^right/left/' tests/determinism/small.hand >"$cd_work/left.hand"
+"$FRAY" hand -o "$cd_work/left.log" "$cd_work/left.hand"
+wants 0 "hand left    not in this world: its 800 poses move nothing" "$FRAY" run "$image" --log "$cd_work/left.log"
+if grep -q "unknown id" "$cd_work/said"; then fail "poses of a hand that is not there are unknown ids"; else pass; fi
+sed 's/columns 30/columns 8/; s/rows 20/rows 8/; s/material denim/&\n  elastic_steps_max 4/' tests/scenes/flag.scene >"$cd_work/stiff.scene"
+wants 0 "stiffness: scaled to" "$FRAY" scene "$cd_work/stiff.scene" -o "$cd_work/stiff.img"
+wants 0 "stiffness    scaled to" "$FRAY" run "$cd_work/stiff.img" --ticks 2
+if grep -q "^work \(intact\|torn\|worst\)\|projections" "$cd_work/said"; then fail "a run of a membrane counts woven work"; else pass; fi
+wants 0 "stiffness  scaled to" "$FRAY" info "$cd_work/stiff.img"
+wants 0 "stiff.img: 128 triangles" "$FRAY" bench "$cd_work/stiff.img" --ticks 2 --kernel scalar
+sed '/^pin/d; /^sphere/,/^}/d' "$small" >"$cd_work/falls.scene"
+wants 0 "OUT_OF_WORLD" "$FRAY" run "$cd_work/falls.scene" --ticks 2000
+# a report: no plot of a force that nothing has, and yarns where the scene has them
+{ cat "$small" && printf 'sphere far {\n  radius 0.1 cm\n  at 1.5 1.5 0 cm\n  move path { 0 s 1.5 1.5 0 cm 0.1 s 1.5 2 0 cm }\n}\n'; } >"$cd_work/far.scene"
+wants 0 "hash " "$FRAY" run "$cd_work/far.scene" --ticks 20 --report "$cd_work/far"
+if [ -s "$cd_work/far/summary.txt" ] && [ ! -e "$cd_work/far/pull.png" ]; then pass; else fail "a report of a body that pulls nothing: $(ls "$cd_work/far")"; fi
+sed 's/^  tear .*/&\n  yarns on/' "$small" >"$cd_work/yarns.scene"
+"$FRAY" run "$cd_work/yarns.scene" --ticks 1 --report "$cd_work/yarns" >/dev/null
+"$FRAY" render "$cd_work/yarns.scene" --yarn --at 0s,1ms -o "$cd_work/as_yarns" >/dev/null
+if cmp "$cd_work/yarns/frame_00001.png" "$cd_work/as_yarns/frame_00001.png"; then pass; else fail "a report of a scene with yarns shows a surface"; fi
+# a cloth in ten pieces, of which the two smallest are counted
+{ sed 's/warps 8/warps 10/' "$small"; for warp in 0 1 2 3 4 5 6 7 8; do echo "slit warp $warp 0 7"; done; } >"$cd_work/strips.scene"
+wants 0 "             and 2 smaller ones" "$FRAY" run "$cd_work/strips.scene" --ticks 1
+wants 0 "attached to body 0 (right hand)" "$FRAY" run "$image" --ticks 1
 
 # ---- recordings
 record=$cd_work/r.log
@@ -184,6 +239,9 @@ hash=$(echo "$last" | cut -d' ' -f2)
 wants 0 "verified 800 ticks, hash $hash" "$FRAY" verify "$record" --scene "$image"
 wants 0 "verified 800 ticks, hash $hash" "$FRAY" verify "$record" --scene "$small"
 wants 0 "$last" "$FRAY" run "$image" --log "$record"
+sed '2000s/^/# gap: 7 lines are missing here, the disk was too slow\n/' "$record" >"$cd_work/gap.log"
+wants 2 "gap.log:2000: the recording has a gap: 7 lines are missing here" "$FRAY" verify "$cd_work/gap.log" --scene "$image"
+wants 0 "verified " "$FRAY" verify "$cd_work/gap.log" --scene "$image" --cut
 "$FRAY" run "$image" --log "$record" --record "$cd_work/again.log" >/dev/null
 if cmp "$record" "$cd_work/again.log"; then pass; else fail "the recording of a recording differs"; fi
 
@@ -211,20 +269,85 @@ next=$(($(grep -n ' 080#2D010000' "$record" | cut -d: -f1) - 1))
 without_line ' 080#2C010000' "missing.log:$next: SYNC of tick 301, expected tick 300: a SYNC is missing"
 without_line ' 182#' "a FORCE or a SYNC is missing"
 without_line ' 010#' "whose COMMAND is not in the log"
-without_line ' 011#' "differs: "
+without_line ' 011#' "has no ACK"
+without_line ' 701#' "differs: STATUS"
 without_line ' 200#' "TEAR"
+# altered NAME 'SED PROGRAM' CODE WORDS [OPTION...]: tests/unit/test_verify has every kind of change
+altered() {
+  name=$1 program=$2 code=$3 words=$4
+  shift 4
+  sed "$program" "$record" >"$cd_work/$name.log"
+  refutes "$name: nothing was changed" cmp -s "$record" "$cd_work/$name.log"
+  wants "$code" "$words" "$FRAY" verify "$cd_work/$name.log" --scene "$image" "$@"
+}
+line=$(grep -n ' 701#' "$record" | sed -n '3s/:.*//p')
+altered status "${line}s/....\$/0900/" 1 "differs: STATUS at line $line says"
+line=$(grep -n ' 080#2C010000' "$record" | cut -d: -f1)
+altered twice "${line}{p;p;}" 0 "verified 800 ticks, hash $hash"
+altered twice_wrong "${line}{p;s/....\$/0000/p;}" 1 "twice_wrong.log:$((line + 1)): SYNC of tick 300 says"
+altered physics '1s/709#..../709#0000/' 0 "physics.log:1: made by another version of the physics (id "
+altered physics_differs "1s/709#..../709#0000/; ${line}d" 1 "a SYNC is missing"
+wants 1 "made by another version of the physics (id " "$FRAY" verify "$cd_work/physics_differs.log" --scene "$image"
+altered unstated 1d 0 "unstated.log: does not state its physics (no IDENTITY)"
+line=$(wc -l <"$record")
+altered open "${line}d" 1 "tick 799 has no hash, expected a closing SYNC behind it"
+wants 0 "verified 799 ticks" "$FRAY" verify "$cd_work/open.log" --scene "$image" --cut
+wants 0 "cut off: tick 799 has no hash, it and what follows is not verified" "$FRAY" verify "$cd_work/open.log" --scene "$image" --cut
+wants 0 "ticks 799 " "$FRAY" run "$image" --log "$cd_work/open.log"
+for bytes in 5000 5021 5050 5071 20000 33333; do
+  head -c $bytes "$record" >"$cd_work/cut.log"
+  wants 2 "cut.log:" "$FRAY" verify "$cd_work/cut.log" --scene "$image"
+  wants 0 "verified " "$FRAY" verify "$cd_work/cut.log" --scene "$image" --cut
+done
 line=$(grep -n ' 080#2C010000' "$record" | cut -d: -f1)
 sed "${line}s/.\$/F/" "$record" >"$cd_work/hash.log"
 if cmp -s "$record" "$cd_work/hash.log"; then sed "${line}s/.\$/E/" "$record" >"$cd_work/hash.log"; fi
 wants 1 "tick 299 differs: SYNC at line $line says" "$FRAY" verify "$cd_work/hash.log" --scene "$image"
 wants 2 "expected a recording" "$FRAY" verify "$log" --scene "$image"
 wants 2 "no SYNC of instance 3" "$FRAY" verify "$record" --scene "$image" --instance 3
-wants 1 "has no FORCE left" "$FRAY" verify "$record" --scene tests/cross/torn.scene
+wants 1 "has no FORCE left" "$FRAY" verify "$record" --scene tests/determinism/torn.scene
 sed 's/seed 88/seed 89/' "$small" >"$cd_work/seed.scene"
 wants 1 "differs" "$FRAY" verify "$record" --scene "$cd_work/seed.scene"
 sed 's/density 0.25/density 0.26/' "$small" >"$cd_work/heavy.scene"
 wants 1 "differs" "$FRAY" verify "$record" --scene "$cd_work/heavy.scene"
 wants 1 "the recording starts with tick 0, the image with tick 5" "$FRAY" verify "$record" --scene "$cd_work/saved.img"
+
+# ---- 2^32 ticks: 16 before, a body whose path has ended stays, and so does the cloth; recorded, verified, drawn
+cat >"$cd_work/w.scene" <<'END'
+scene w
+substeps 4
+woven { warps 10 wefts 10 spacing 12 /cm tear 5 10 % }
+pin row bottom
+capsule top {
+  radius 0.05 cm length 1 cm attach_within 0.02 cm
+  move path { 0 s 0 0.375 0 cm 0.1 s 0 0.378 0 cm 0.2 s 0 0.3 0 cm }
+}
+END
+"$FRAY" run "$cd_work/w.scene" --ticks 300 --save "$cd_work/w0.img" >/dev/null
+"$alter" tick "$cd_work/w0.img" 4294967280 >"$cd_work/w1.img"
+wants 0 "at tick 4294967280" "$FRAY" info "$cd_work/w1.img"
+wants 0 "ticks 12 tears 0" "$FRAY" run "$cd_work/w1.img" --ticks 12
+wants 0 "ticks 40 tears 0" "$FRAY" run "$cd_work/w1.img" --ticks 40 --record "$cd_work/w.log" --save "$cd_work/w2.img"
+wants 0 "at tick 4294967320" "$FRAY" info "$cd_work/w2.img"
+wants 0 "verified 40 ticks" "$FRAY" verify "$cd_work/w.log" --scene "$cd_work/w1.img"
+wants 0 "ticks 40 tears 0" "$FRAY" run "$cd_work/w1.img" --log "$cd_work/w.log"
+wants 1 "the recording starts with tick 4294967280, the image with tick 300" "$FRAY" verify "$cd_work/w.log" --scene "$cd_work/w0.img"
+wants 1 "the recording starts with tick 4294967280, the image with tick 4294967320" "$FRAY" verify "$cd_work/w.log" --scene "$cd_work/w2.img"
+grep -v ' 080#00000000' "$cd_work/w.log" >"$cd_work/gap.log"
+wants 1 "SYNC of tick 4294967297, expected tick 4294967296: a SYNC is missing" "$FRAY" verify "$cd_work/gap.log" --scene "$cd_work/w1.img"
+wants 0 "1 moments" "$FRAY" render "$cd_work/w1.img" --at 4294967.3s --size 64x64 -o "$cd_work/w"
+if [ -e "$cd_work/w/frame_4294967300.png" ]; then pass; else fail "no picture of tick 4294967300"; fi
+
+# ---- versions: of the image, which are refused, and of the physics, which are named
+"$alter" word "$image" 1 131079 >"$cd_work/old.img"
+wants 2 "another version of the image format, section 0, element 1: expected image version 3.0; version 2 needs fray 0.3 or 0.4" "$FRAY" info "$cd_work/old.img"
+"$alter" word "$image" 6 1 >"$cd_work/other.img"
+own=$(sed -n 's/^#define PHYSICS_ID UINT32_C(0x\(.*\))$/\1/p' rt/image/physics_id.h | tr A-F a-f)
+said="other.img: made by another version of the physics (id 00000001, this build has $own)"
+wants 0 "$said" "$FRAY" info "$cd_work/other.img"
+wants 0 "$said" "$FRAY" run "$cd_work/other.img" --ticks 3
+wants 0 "$said" "$FRAY" verify "$record" --scene "$cd_work/other.img"
+wants 0 "$said" "$FRAY" render "$cd_work/other.img" --at 1ms --size 64x64 -o "$cd_work/w"
 
 # ---- keys
 key=$cd_work/bus.key keyed=$cd_work/keyed.log
@@ -260,7 +383,7 @@ echo 2b7e15 >"$cd_work/short.key" && chmod 600 "$cd_work/short.key"
 echo 2b7e151628aed2a6abf7158809cf4f3c >"$cd_work/open.key" && chmod 644 "$cd_work/open.key"
 wants 2 "short.key:1:7: not a hex digit, expected 32 hex digits" "$FRAY" verify "$keyed" --scene "$image" --key "$cd_work/short.key"
 wants 2 "others than its owner have rights to this key (mode 0644), expected 0600" "$FRAY" verify "$keyed" --scene "$image" --key "$cd_work/open.key"
-for use in "run $image" "hand tests/cross/small.hand"; do
+for use in "run $image" "hand tests/determinism/small.hand"; do
   verb=${use%% *}
   wants 2 "none.key: cannot be opened" "$FRAY" $use --can can9 --key "$cd_work/none.key"
   wants 2 "short.key:1:7: " "$FRAY" $use --can can9 --key "$cd_work/short.key"
@@ -282,18 +405,21 @@ wants 2 "fray bench: --key goes with --log" "$FRAY" bench "$image" --key "$key"
 wants 0 "$image" "$FRAY" bench "$image" --log "$keyed" --key "$key" --ticks 20
 wants 2 "--freshness, expected a value" "$FRAY" run "$image" --can can9 --key "$key" --freshness ''
 wants 2 "expected a name of at most 15 characters" "$FRAY" run "$image" --can a_name_too_long_
-wants 2 "--key go with --can" "$FRAY" hand -o "$cd_work/x.log" tests/cross/small.hand --key "$key"
+wants 2 "--key go with --can" "$FRAY" hand -o "$cd_work/x.log" tests/determinism/small.hand --key "$key"
+
+. tests/cli/files.sh
 
 # ---- bench
 wants 2 "fray bench: --log goes with a scene" "$FRAY" bench --log "$log"
-wants 2 "fray bench: --sweep makes its own sheets" "$FRAY" bench "$image" --sweep
-wants 2 "fray bench: --sweep makes its own sheets" "$FRAY" bench --sweep --ticks 3
+wants 2 "fray bench: --sweep makes its own cloth" "$FRAY" bench "$image" --sweep
+wants 2 "fray bench: --sweep makes its own cloth" "$FRAY" bench --sweep --ticks 3
 wants 2 "fray bench: --machine says only" "$FRAY" bench "$image" --machine
 wants 2 "--ticks '0', expected a number from 1" "$FRAY" bench "$image" --ticks 0
 wants 2 "--kernel abacus: expected one that this build and this machine have: scalar" "$FRAY" bench "$image" --ticks 3 --kernel abacus
 wants 2 "--kernel abacus: expected" "$FRAY" bench --sweep --kernel abacus
 wants 2 "--json, expected a value" "$FRAY" bench "$image" --json
 wants 2 "none.scene: cannot be opened" "$FRAY" bench "$cd_work/none.scene"
+if grep -q processors "$cd_work/said"; then fail "a bench without its scene prints the machine"; else pass; fi
 wants 2 "none.log: cannot be opened" "$FRAY" bench "$image" --log "$cd_work/none.log"
 wants 1 "such.json: cannot be written" "$FRAY" bench "$image" --ticks 3 --json "$cd_work/no/such.json"
 wants 1 "such.rows: cannot be written" "$FRAY" bench "$image" --ticks 3 --rows "$cd_work/no/such.rows"

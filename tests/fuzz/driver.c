@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Random damage where there is no libFuzzer: driver SECONDS FOLDER
- * takes a file of FOLDER, damages it in a few places and feeds it, again and again. The case that
- * is being tried lies in FOLDER/../last, so that a crash leaves it behind. */
+/* Random damage where there is no libFuzzer: driver SECONDS RUNS FOLDER
+ * takes a file of FOLDER, damages it in a few places and feeds it, again and again, for so long or, where RUNS is
+ * not 0, so often. The case that is being tried lies in FOLDER.last, so that a crash leaves it behind. */
 #include <dirent.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -10,6 +10,9 @@
 #include <time.h>
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes);
+size_t LLVMFuzzerMutate(uint8_t *data, size_t bytes, size_t room);
+/* Where a harness has one. */
+__attribute__((weak)) size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t bytes, size_t room, unsigned seed);
 
 enum { SEEDS = 64, ROOM = 1 << 17, NAME = 512 };
 
@@ -40,11 +43,10 @@ static void load(const char *folder) {
   if (d != NULL) closedir(d);
 }
 
-static size_t damage(uint8_t *to) {
+size_t LLVMFuzzerMutate(uint8_t *to, size_t size, size_t room) {
   static const int32_t edges[] = {0, 1, -1, 0x7FFFFFFF, INT32_MIN, 255, 65535, 16, 64};
-  const uint32_t from = below(seeds);
-  size_t bytes = seed_bytes[from];
-  memcpy(to, seed[from], bytes);
+  size_t bytes = size;
+  (void)room;
   for (uint32_t n = 1 + below(4); n > 0 && bytes > 8; --n) {
     const uint32_t at = below((uint32_t)bytes - 8);
     switch (below(6)) {
@@ -62,16 +64,25 @@ static size_t damage(uint8_t *to) {
   return bytes;
 }
 
+static size_t damage(uint8_t *to) {
+  const uint32_t from = below(seeds);
+  memcpy(to, seed[from], seed_bytes[from]);
+  if (LLVMFuzzerCustomMutator != NULL)
+    return LLVMFuzzerCustomMutator(to, seed_bytes[from], ROOM, below(UINT32_MAX));
+  return LLVMFuzzerMutate(to, seed_bytes[from], ROOM);
+}
+
 int main(int argc, char **argv) {
   static uint8_t data[ROOM];
   char last[NAME];
   unsigned long tried = 0;
-  if (argc != 3) return 2;
-  load(argv[2]);
+  if (argc != 4) return 2;
+  load(argv[3]);
   if (seeds == 0) return 2;
-  snprintf(last, sizeof last, "%s.last", argv[2]);
+  snprintf(last, sizeof last, "%s.last", argv[3]);
+  const unsigned long runs = strtoul(argv[2], NULL, 10);
   const time_t end = time(NULL) + (time_t)strtol(argv[1], NULL, 10);
-  while (time(NULL) < end) {
+  while (runs != 0 ? tried < runs : time(NULL) < end) {
     const size_t bytes = damage(data);
     FILE *out = fopen(last, "wb");
     if (out == NULL || fwrite(data, 1, bytes, out) != bytes || fclose(out) != 0) return 2;

@@ -6,8 +6,9 @@
 #include <string.h>
 
 #include "platform/log/candump.h"
-#include "tools/replay.h"
-#include "tools/unseal.h"
+#include "tests/fuzz/run_image.h"
+#include "tools/recording/replay.h"
+#include "tools/recording/unseal.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes);
 
@@ -18,7 +19,8 @@ static void check_written(const candump_entry *entry) {
   const size_t length = candump_format(text, "vcan0", entry->time_us, &entry->frame);
   if (length == 0 || text[length - 1] != '\n') abort();
   if (candump_parse(text, length - 1, entry->line, &again, &error) != 1) abort();
-  if (again.time_us != entry->time_us || again.frame.id != entry->frame.id ||
+  const int64_t time_us = entry->time_us == CANDUMP_NO_TIME ? 0 : entry->time_us;
+  if (again.time_us != time_us || again.frame.id != entry->frame.id ||
       again.frame.length != entry->frame.length)
     abort();
 }
@@ -45,14 +47,15 @@ static void check_under_a_key(candump_log *log) {
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes) {
   candump_log log;
-  candump_error error;
-  memset(&error, 0, sizeof error);
+  candump_error error = {0};
   char *text = malloc(bytes + (bytes == 0));
   if (text == NULL) return 0;
+  run_count();
   if (bytes != 0) memcpy(text, data, bytes);
   if (candump_parse_all("fuzz.log", text, bytes, &log, &error)) {
     for (size_t n = 0; n < log.count; ++n) check_written(&log.entries[n]);
-    const replay_setting setting = {0, 3, 1000, {0, 0}};
+    run_tally.ran += 1;
+    const replay_setting setting = {0, 3, 1000, 0, {0, 0}, (int)(bytes & 1)};
     replay run;
     if (log.count != 0 && is_short(&log) && replay_read("fuzz.log", &log, &setting, &run, &error))
       replay_free(&run);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Images that are damaged, their CRC put right. */
-#ifndef FRAY_TESTS_DAMAGE_H
-#define FRAY_TESTS_DAMAGE_H
+#ifndef FRAY_TESTS_LIB_DAMAGE_H
+#define FRAY_TESTS_LIB_DAMAGE_H
 
 #include "rt/base/bytes.h"
 #include "tests/lib/test.h"
@@ -42,6 +42,7 @@ FIXTURE uint32_t damage_each_bit(fixture *f, uint32_t section, uint32_t words) {
       for (uint32_t tick = 0; tick < 3; ++tick) fray_tick(w, &fixture_idle, &out);
     } else {
       CHECK_EQ_INT(error.section, section);
+      CHECK(error.what != NULL);
       ++refused;
     }
     *byte = (uint8_t)(*byte ^ 1u << bit % 8);

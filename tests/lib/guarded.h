@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Arrays that end (or begin) where the next page may not be touched; what is left of their own pages
  * holds a pattern. */
-#ifndef FRAY_TESTS_GUARDED_H
-#define FRAY_TESTS_GUARDED_H
+#ifndef FRAY_TESTS_LIB_GUARDED_H
+#define FRAY_TESTS_LIB_GUARDED_H
 
 #include <stddef.h>
 #include <stdint.h>

@@ -12,9 +12,29 @@ fail() {
   suite_failed=$((suite_failed + 1))
   echo "FAILED $*"
 }
+holds() { # WHAT COMMAND...: one check
+  claim=$1
+  shift
+  if "$@"; then pass; else fail "$claim"; fi
+}
+refutes() { # WHAT COMMAND...: one check, of what must not hold
+  claim=$1
+  shift
+  if "$@"; then fail "$claim"; else pass; fi
+}
 not_run() { # WHAT PACKAGE
   echo "not run: $1 needs $2"
   if [ "${CI:-}" = true ] && [ "${FRAY_LOCAL:-0}" != 1 ]; then fail "$1: $2 is missing"; fi
+}
+has_target() { # MACHINE WHAT: whether target.sh can build and run it; else says so
+  packages=$(sh tests/target/target.sh needs "$1") || { not_run "$2" "$packages" && return 1; }
+}
+suite_needs() { # WHAT PACKAGE TOOL...: ends the suite where a tool is missing
+  needing=$1 package=$2
+  shift 2
+  for tool; do
+    have "$tool" || { not_run "$needing" "$package" && suite_end; exit; }
+  done
 }
 suite_end() {
   echo "$suite_passed passed, $suite_failed failed"

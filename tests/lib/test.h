@@ -5,11 +5,16 @@
  *   int main(void) { TEST(adds); return test_end(); }
  *
  * A test passes iff none of its checks fails. The last line is `N passed, N failed`. */
-#ifndef FRAY_TESTS_TEST_H
-#define FRAY_TESTS_TEST_H
+#ifndef FRAY_TESTS_LIB_TEST_H
+#define FRAY_TESTS_LIB_TEST_H
 
 #include <stdio.h>
 #include <string.h>
+
+/* Where every step is checked, as under sanitizers, long tests take one case of so many. */
+#ifndef TEST_FEWER
+#define TEST_FEWER 1
+#endif
 
 static int test_passed, test_failed, test_bad_checks;
 
@@ -47,6 +52,9 @@ static inline void test_equal_text(const char *a, const char *b, const char *fil
   test_bad_checks++;
   printf("%s:%d:\n  is       \"%s\"\n  expected \"%s\"\n", file, line, a, b);
 }
+
+/* Of a variable: what is called with its address where its block ends. */
+#define CLOSED_BY(function) __attribute__((cleanup(function)))
 
 #define TEST(function) test_run(#function, function)
 #define CHECK(condition) test_check((condition) != 0, #condition, __FILE__, __LINE__)

@@ -2,14 +2,13 @@
 /* Worlds for tests: a scene's text (or file, with words of it replaced) compiled and opened, ticks
  * with and without hands, and what tests measure on a world in double precision.
  *
- *   fixture f;
+ *   fixture_scoped f = {0};
  *   fixture_file(&f, "tests/scenes/small.scene", "substeps 8", "substeps 4", NULL);
  *   fray_output out = fixture_tick(&f, &fixture_idle);
- *   fixture_close(&f);
  *
  * What cannot be built ends the program: a test of physics has nothing to say then. */
-#ifndef FRAY_TESTS_WORLD_FIXTURE_H
-#define FRAY_TESTS_WORLD_FIXTURE_H
+#ifndef FRAY_TESTS_LIB_WORLD_FIXTURE_H
+#define FRAY_TESTS_LIB_WORLD_FIXTURE_H
 
 #include <math.h>
 #include <stdarg.h>
@@ -19,9 +18,11 @@
 #include <string.h>
 
 #include "rt/fray.h"
-#include "rt/model/image.h"
-#include "rt/model/world.h"
-#include "tools/build/build.h"
+#include "rt/image/image.h"
+#include "rt/state/world.h"
+#include "tests/lib/splitmix64.h"
+#include "tests/lib/test.h"
+#include "tools/scene_compiler/compile.h"
 
 /* Not every test uses every helper. */
 #define FIXTURE static inline __attribute__((unused))
@@ -32,8 +33,8 @@ typedef struct {
   void *memory;
   size_t memory_bytes;
   fray_world *w;
-  fray_facts facts; /* when it was opened */
-  build_report report;
+  fray_info facts; /* when it was opened */
+  compile_report report;
 } fixture;
 
 static const fray_input fixture_idle;
@@ -52,29 +53,33 @@ __attribute__((noreturn)) FIXTURE void fixture_give_up(const char *where, const 
 FIXTURE void fixture_open_image(fixture *f) {
   fray_error error;
   memset(&error, 0, sizeof error);
-  if (fray_bytes(f->image, f->image_bytes, &f->memory_bytes, &error) != FRAY_OK)
-    fixture_give_up("fray_bytes", error.what);
+  if (fray_memory_size(f->image, f->image_bytes, &f->memory_bytes, &error) != FRAY_OK)
+    fixture_give_up("fray_memory_size", error.what);
   f->memory_bytes = (f->memory_bytes + 63) / 64 * 64;
   f->memory = aligned_alloc(64, f->memory_bytes);
   if (f->memory == NULL) fixture_give_up("fixture", "out of memory");
   if (fray_open(f->image, f->image_bytes, f->memory, f->memory_bytes, &f->w, &error) != FRAY_OK)
     fixture_give_up("fray_open", error.what);
-  f->facts = fray_describe(f->w);
+  f->facts = fray_get_info(f->w);
 }
 
 /* The text of a scene as if it stood in `file`: where the meshes are that it names. */
-FIXTURE void fixture_text_of(fixture *f, const char *file, const char *text) {
+FIXTURE int fixture_compile(fixture *f, const char *file, const char *text, scene_error *error) {
   scene *s = malloc(sizeof *s);
-  scene_error error;
   memset(f, 0, sizeof *f);
-  memset(&error, 0, sizeof error);
+  memset(error, 0, sizeof *error);
   if (s == NULL) fixture_give_up("fixture", "out of memory");
-  if (!scene_parse(file, text, strlen(text), s, &error) ||
-      !build_image(s, file, &f->image, &f->image_bytes, &f->report, NULL, NULL, &error)) {
+  const int good = scene_parse(file, text, strlen(text), s, error) &&
+                   compile_image(s, file, &f->image, &f->image_bytes, &f->report, NULL, NULL, error);
+  free(s);
+  return good;
+}
+FIXTURE void fixture_text_of(fixture *f, const char *file, const char *text) {
+  scene_error error;
+  if (!fixture_compile(f, file, text, &error)) {
     printf("%s\n", text);
     fixture_give_up("scene", error.message);
   }
-  free(s);
   fixture_open_image(f);
 }
 FIXTURE void fixture_text(fixture *f, const char *text) { fixture_text_of(f, "test", text); }
@@ -136,6 +141,9 @@ FIXTURE void fixture_close(fixture *f) {
   memset(f, 0, sizeof *f);
 }
 
+/* One that is closed where its block ends. */
+#define fixture_scoped CLOSED_BY(fixture_close) fixture
+
 /* A second world from a save of the first. */
 FIXTURE void fixture_copy(fixture *to, const fixture *from) {
   memset(to, 0, sizeof *to);
@@ -147,18 +155,18 @@ FIXTURE void fixture_copy(fixture *to, const fixture *from) {
 }
 
 /* Every kind of counted work is at most what the image says. */
-FIXTURE int fixture_within(const fray_work *k, const fray_work *most) {
-  return k->predictions <= most->predictions && k->projections <= most->projections &&
+FIXTURE int fixture_within_bound(const fray_work *k, const fray_work *most) {
+  return k->particle_steps <= most->particle_steps && k->projections <= most->projections &&
          k->springs <= most->springs && k->contacts <= most->contacts &&
-         k->gathers <= most->gathers && k->tear_tests <= most->tear_tests &&
-         k->over <= most->over && k->cuts <= most->cuts && k->slips <= most->slips &&
-         k->stretches <= most->stretches &&
+         k->broad_phase_tests <= most->broad_phase_tests && k->tear_tests <= most->tear_tests &&
+         k->over_threshold <= most->over_threshold && k->tears <= most->tears && k->slips <= most->slips &&
+         k->yarn_forces <= most->yarn_forces &&
          k->transitions <= most->transitions && k->splits <= most->splits &&
-         k->lines <= most->lines && k->pulls <= most->pulls && k->folds <= most->folds &&
-         k->self_visits <= most->self_visits && k->self_pairs <= most->self_pairs &&
-         k->self_sweeps <= most->self_sweeps && k->self_stops <= most->self_stops &&
+         k->tear_candidates <= most->tear_candidates && k->element_forces <= most->element_forces && k->bend_forces <= most->bend_forces &&
+         k->self_box_tests <= most->self_box_tests && k->self_pairs <= most->self_pairs &&
+         k->self_ccd <= most->self_ccd && k->self_merged <= most->self_merged &&
          k->mesh_tests <= most->mesh_tests && k->mesh_boxes <= most->mesh_boxes &&
-         k->mesh_sweeps <= most->mesh_sweeps && k->mesh_stops <= most->mesh_stops && k->slashes <= most->slashes;
+         k->mesh_ccd <= most->mesh_ccd && k->mesh_pins <= most->mesh_pins && k->blade_cuts <= most->blade_cuts;
 }
 
 FIXTURE fray_output fixture_tick(fixture *f, const fray_input *input) {
@@ -171,8 +179,8 @@ FIXTURE fray_output fixture_tick(fixture *f, const fray_input *input) {
 FIXTURE void fixture_hanging(fixture *f, uint32_t warps, uint32_t wefts, uint32_t substeps,
                              const char *settle, const char *gather, const char *drag) {
   fixture_print(f,
-                "scene hanging\nrate 1000 Hz\nsubsteps %u\nsweeps 1\nsettle %s\n"
-                "gravity 0 -981 0 cm/s2\nseed 1\nsheet {\n warps %u\n wefts %u\n spacing 12 /cm\n"
+                "scene hanging\nrate 1000 Hz\nsubsteps %u\niterations 1\nsettle %s\n"
+                "gravity 0 -981 0 cm/s2\nseed 1\nwoven {\n warps %u\n wefts %u\n spacing 12 /cm\n"
                 " density 0.25 g/cm2\n thickness 0.01 cm\n structural 6000 g/s2\n bend 5 g/s2\n"
                 " shear 2 g/s2\n tear off\n gather %s pleats 8\n drag %s\n}\npin row top\n",
                 substeps, settle, warps, wefts, gather, drag);
@@ -180,6 +188,11 @@ FIXTURE void fixture_hanging(fixture *f, uint32_t warps, uint32_t wefts, uint32_
 
 /* What the builder owns and tests bend: the world's constants lie in f->image, which is ours. */
 FIXTURE params *fixture_params(fixture *f) { return (params *)(uintptr_t)f->w->params; }
+
+/* The topology's hash that is kept by the way is that of the whole. */
+FIXTURE int fixture_topology_holds(const fray_world *w) {
+  return world_topology(w) == ((uint64_t)(uint32_t)w->state->topology[1] << 32 | (uint32_t)w->state->topology[0]);
+}
 
 /* ---- hands ---- */
 
@@ -204,7 +217,7 @@ FIXTURE fray_output fixture_start_hands(fixture *f, uint32_t ticks) {
   memset(&out, 0, sizeof out);
   for (uint32_t tick = 0; tick < ticks; ++tick) {
     fray_input input = fixture_poses(f, origin, tick);
-    if (tick == 0) input.verb = FRAY_VERB_START;
+    if (tick == 0) input.command = FRAY_COMMAND_START;
     out = fixture_tick(f, &input);
   }
   return out;
@@ -220,11 +233,11 @@ FIXTURE double fixture_speed(const fixture *f) {
 FIXTURE double fixture_mass_g(const fixture *f) { return f->facts.particle_mass_ng * 1e-9; }
 
 FIXTURE double fixture_length(const fray_world *w, uint32_t row) {
-  const uint32_t i = w->row_i[row];
-  const uint32_t j = w->row_j[row];
-  const double x = (double)w->x[j] - w->x[i];
-  const double y = (double)w->y[j] - w->y[i];
-  const double z = (double)w->z[j] - w->z[i];
+  const uint32_t i = w->woven.spring_i[row];
+  const uint32_t j = w->woven.spring_j[row];
+  const double x = (double)w->p.x[j] - w->p.x[i];
+  const double y = (double)w->p.y[j] - w->p.y[i];
+  const double z = (double)w->p.z[j] - w->p.z[i];
   return sqrt(x * x + y * y + z * z);
 }
 
@@ -232,23 +245,23 @@ FIXTURE double fixture_length(const fray_world *w, uint32_t row) {
 FIXTURE double fixture_rest(const fray_world *w, uint32_t row) {
   uint32_t a;
   uint32_t b;
-  weave_ends(world_weave(w), w->home[row], &a, &b);
-  return w->links[b == a + 1 ? 1 : 2].rest;
+  yarn_grid_ends(world_yarn_grid(w), w->woven.canonical_id[row], &a, &b);
+  return w->woven.link_classes[b == a + 1 ? 1 : 2].rest;
 }
 FIXTURE double fixture_strain(const fray_world *w, uint32_t row) {
   return fixture_length(w, row) / fixture_rest(w, row) - 1;
 }
 
 /* Rows between two held particles are nobody's. */
-FIXTURE int fixture_row_moves(const fray_world *w, uint32_t row) {
-  return w->row_j[row] >= (uint32_t)w->params->held || w->row_i[row] >= (uint32_t)w->params->held;
+FIXTURE int fixture_spring_moves(const fray_world *w, uint32_t row) {
+  return w->woven.spring_j[row] >= (uint32_t)w->params->attached || w->woven.spring_i[row] >= (uint32_t)w->params->attached;
 }
 
 /* The live structural row with the largest strain. */
 FIXTURE double fixture_largest_strain(const fray_world *w, uint32_t *at) {
   double most = -1;
   for (uint32_t row = 0; row < (uint32_t)w->params->links; ++row) {
-    if (w->row_class[row] == ROW_DEAD || !fixture_row_moves(w, row)) continue;
+    if (w->woven.spring_kind[row] == SPRING_DEAD || !fixture_spring_moves(w, row)) continue;
     const double strain = fixture_strain(w, row);
     if (strain <= most) continue;
     most = strain;
@@ -271,28 +284,20 @@ FIXTURE double fixture_energy(const fixture *f, double bend, double shear) {
                        ((double)p->gravity_y * 0x1p32 + (uint32_t)p->gravity_rest_y) * unit,
                        ((double)p->gravity_z * 0x1p32 + (uint32_t)p->gravity_rest_z) * unit};
   double total = 0;
-  for (uint32_t n = (uint32_t)p->held; n < (uint32_t)p->particles; ++n) {
-    const double v2 = (double)w->vx[n] * w->vx[n] + (double)w->vy[n] * w->vy[n] +
-                      (double)w->vz[n] * w->vz[n];
+  for (uint32_t n = (uint32_t)p->attached; n < (uint32_t)p->particles; ++n) {
+    const double v2 = (double)w->p.vx[n] * w->p.vx[n] + (double)w->p.vy[n] * w->p.vy[n] +
+                      (double)w->p.vz[n] * w->p.vz[n];
     total += mass * (0.5 * v2 * speed * speed -
-                     (g[0] * w->x[n] + g[1] * w->y[n] + g[2] * w->z[n]) * cm);
+                     (g[0] * w->p.x[n] + g[1] * w->p.y[n] + g[2] * w->p.z[n]) * cm);
   }
-  for (uint32_t row = (uint32_t)p->links; row < w->capacity[POOL_ROWS]; ++row) {
-    if (w->row_class[row] == ROW_DEAD) continue;
-    const spring_class *c = &w->springs[w->row_class[row] & ROW_CLASS];
+  for (uint32_t row = (uint32_t)p->links; row < w->capacity[POOL_SPRINGS]; ++row) {
+    if (w->woven.spring_kind[row] == SPRING_DEAD) continue;
+    const bend_shear_class *c = &w->woven.bend_shear_classes[w->woven.spring_kind[row] & SPRING_CLASS];
     const double away = (fixture_length(w, row) - c->rest) * cm;
     if (c->compression_only != 0 && away > 0) continue;
     total += 0.5 * (c->compression_only != 0 ? shear : bend) * away * away;
   }
   return total;
-}
-
-/* splitmix64: tests need random numbers that are the same everywhere. */
-FIXTURE uint64_t fixture_random(uint64_t *seed) {
-  uint64_t v = *seed += 0x9E3779B97F4A7C15u;
-  v = (v ^ (v >> 30)) * 0xBF58476D1CE4E5B9u;
-  v = (v ^ (v >> 27)) * 0x94D049BB133111EBu;
-  return v ^ (v >> 31);
 }
 
 #endif

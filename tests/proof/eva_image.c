@@ -3,27 +3,28 @@
  * eva_validate.c. headers(): any bytes, any capacities, any length. loads(): capacities of one
  * shape, plain, with rigid meshes, with blades, with self-collision of both kinds, everything else
  * arbitrary; image and memory end where they must. */
-#include "rt/model/image.c"
+#include "rt/image/image.c"
+#include "rt/image/image_table.c"
 #include "tests/proof/any.h"
 
 enum {
   PARTICLES = 5, HELD = 1, CROSSINGS = 4, ROWS = 6, BATCHES = 3, CLASSES = 2, BODIES = 1,
-  KEYS = 1, CONTACTS = 1, CUTS = 1, PAIRS = 2, MESH_WORDS = 9
+  KEYS = 1, CONTACTS = 1, CUTS = 1, PAIRS = 2, RIGID_MESH_WORDS = 9
 };
 static const uint32_t plain[POOLS] = {1,       1,       PARTICLES, HELD, CROSSINGS, ROWS, BATCHES,
                                       CLASSES, CLASSES, BODIES,    KEYS, CONTACTS,  CUTS};
 static const uint32_t meshes[POOLS] = {
     1, 1, PARTICLES, HELD, CROSSINGS, ROWS, BATCHES, CLASSES, CLASSES, BODIES, KEYS, CONTACTS, CUTS,
-    [POOL_MESH_WORDS] = MESH_WORDS};
+    [POOL_RIGID_MESH_WORDS] = RIGID_MESH_WORDS};
 static const uint32_t selves[POOLS] = {
     1, 1, PARTICLES, HELD, CROSSINGS, ROWS, BATCHES, CLASSES, CLASSES, BODIES, KEYS, CONTACTS, CUTS,
-    [POOL_PAIRS] = PAIRS};
+    [POOL_YARN_PAIRS] = PAIRS};
 static const uint32_t layers[POOLS] = {
     1, 1, PARTICLES, HELD, CROSSINGS, ROWS, BATCHES, CLASSES, CLASSES, BODIES, KEYS, CONTACTS, CUTS,
-    [POOL_LAYERS] = PAIRS, [POOL_TILES] = 1};
+    [POOL_TRIANGLE_PAIRS] = PAIRS, [POOL_PATCHES] = 1};
 static const uint32_t blades[POOLS] = {
     1, 1, PARTICLES, HELD, CROSSINGS, ROWS, BATCHES, CLASSES, CLASSES, BODIES, KEYS, CONTACTS, CUTS,
-    [POOL_MESH_WORDS] = MESH_WORDS, [POOL_BLADES] = 1};
+    [POOL_RIGID_MESH_WORDS] = RIGID_MESH_WORDS, [POOL_BLADES] = 1};
 
 /* Words of 64 bits, so that both are aligned. */
 enum { IMAGE_ROOM = 2048, MEMORY_ROOM = 4096 };
@@ -60,22 +61,10 @@ void directories(void) {
   (void)check_directory(image, capacity, &error);
 }
 
-/* What says the shape: the header's capacities, the version, which sections the directory has, how long
- * that of meshes is. */
+/* What says the shape: the header's capacities. */
 static void store_shape(uint8_t *image, const uint32_t shape[POOLS]) {
-  uint32_t sections = 0;
   for (uint32_t p = 0; p < POOLS_IN_HEADER; ++p)
     bytes_store32(image + 4u * (IMAGE_CAPACITY_WORD + p), shape[p]);
-  bytes_store32(image + 4u * IMAGE_VERSION_WORD, version_of(shape));
-  if (shape[POOL_MESH_WORDS] == 0 && shape[POOL_LAYERS] == 0) return;
-  for (uint32_t n = 0; n < image_array_count; ++n) {
-    if (!is_saved(&image_arrays[n], shape)) continue;
-    uint8_t *entry = image + 4u * (IMAGE_HEADER_WORDS + IMAGE_DIRECTORY_WORDS * sections++);
-    bytes_store32(entry, image_arrays[n].id);
-    if (image_arrays[n].id == IMAGE_MESHES) bytes_store32(entry + 8u, shape[POOL_MESH_WORDS]);
-    if (image_arrays[n].id == IMAGE_BLADES) bytes_store32(entry + 8u, BLADE_WORDS);
-  }
-  bytes_store32(image + 4u * IMAGE_SECTIONS_WORD, sections);
 }
 
 static void load(const uint32_t shape[POOLS], size_t image_bytes, size_t memory_bytes) {
@@ -101,6 +90,6 @@ static void loads_of(const uint32_t shape[POOLS]) {
 
 void loads(void) { loads_of(plain); }
 void loads_meshes(void) { loads_of(meshes); }
-void loads_selves(void) { loads_of(selves); }
-void loads_layers(void) { loads_of(layers); }
+void loads_yarn_collision(void) { loads_of(selves); }
+void loads_triangle_collision(void) { loads_of(layers); }
 void loads_blades(void) { loads_of(blades); }

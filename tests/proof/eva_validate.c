@@ -6,8 +6,8 @@
  * What counts_fit() compares with the capacities is given, for anything else is refused there
  * (counts()). How many rows the first batch of links has is gone through, value by value, and so
  * that every batch after it begins where it must. */
-#include "rt/model/image.h"
-#include "rt/model/validate.c"
+#include "rt/image/image.h"
+#include "rt/image/validate.c"
 #include "tests/proof/any.h"
 
 #ifndef SPLITS
@@ -30,15 +30,15 @@ enum {
 
 static params fixed;
 static state moving;
-static row_id crossing[CROSSINGS], home[ROWS], row_of[ROWS], row_i[ROWS], row_j[ROWS];
+static index_t crossing[CROSSINGS], home[ROWS], row_of[ROWS], row_i[ROWS], row_j[ROWS];
 static uint8_t row_class[ROWS];
-static row_batch batches[BATCHES];
+static spring_batch batches[BATCHES];
 static link_class links[CLASSES];
-static spring_class springs[CLASSES];
+static bend_shear_class springs[CLASSES];
 static uint8_t grip_body[HELD];
 static int32_t grip_x[HELD], grip_y[HELD], grip_z[HELD];
-static body bodies[BODIES];
-static body_key keys[KEYS];
+static rigid_body bodies[BODIES];
+static keyframe keys[KEYS];
 static body_state body_states[BODIES];
 static int32_t x[PARTICLES], y[PARTICLES], z[PARTICLES];
 static int32_t vx[PARTICLES], vy[PARTICLES], vz[PARTICLES];
@@ -47,21 +47,22 @@ static int32_t qx[PARTICLES], qy[PARTICLES], qz[PARTICLES];
 static yarn_params yarns;
 static yarn_state yarn_words;
 static uint8_t couple[CROSSINGS];
-static row_id warp_at[CROSSINGS], place[PARTICLES];
+static index_t warp_at[CROSSINGS], place[PARTICLES];
 static body_motion motion[BODIES];
 static contact contacts[CONTACTS];
-static cut cuts[LIMIT_CUTS];
+static torn_spring cuts[MAX_BREAKS];
 
 static fray_world world = {
+    .features.yarns = SPLITS != 0,
     .capacity = {1, 1, PARTICLES, HELD, CROSSINGS, ROWS, BATCHES, CLASSES, CLASSES, BODIES, KEYS,
-                 CONTACTS, LIMIT_CUTS, SPLITS},
-    .params = &fixed, .crossing = crossing, .home = home, .row_of = row_of, .batches = batches,
-    .links = links, .springs = springs, .grip_body = grip_body, .grip_x = grip_x,
-    .grip_y = grip_y, .grip_z = grip_z, .bodies = bodies, .keys = keys, .state = &moving,
-    .x = x, .y = y, .z = z, .vx = vx, .vy = vy, .vz = vz, .rx = rx, .ry = ry, .rz = rz,
-    .row_i = row_i, .row_j = row_j, .row_class = row_class, .body_states = body_states,
-    .yarns = &yarns, .yarn_state = &yarn_words, .couple = couple, .warp_at = warp_at, .place = place,
-    .qx = qx, .qy = qy, .qz = qz, .motion = motion, .contacts = contacts, .cuts = cuts};
+                 CONTACTS, MAX_BREAKS, SPLITS},
+    .params = &fixed, .woven.crossing_particle = crossing, .woven.canonical_id = home, .woven.spring_of = row_of, .woven.batches = batches,
+    .woven.link_classes = links, .woven.bend_shear_classes = springs, .p.attach_body = grip_body, .p.attach_x = grip_x,
+    .p.attach_y = grip_y, .p.attach_z = grip_z, .rigid.bodies = bodies, .rigid.keyframes = keys, .state = &moving,
+    .p.x = x, .p.y = y, .p.z = z, .p.vx = vx, .p.vy = vy, .p.vz = vz, .p.rx = rx, .p.ry = ry, .p.rz = rz,
+    .woven.spring_i = row_i, .woven.spring_j = row_j, .woven.spring_kind = row_class, .rigid.states = body_states,
+    .woven.yarn_constants = &yarns, .woven.yarn_counts = &yarn_words, .woven.crossing_state = couple, .woven.warp_particle = warp_at, .woven.crossing_of = place,
+    .p.qx = qx, .p.qy = qy, .p.qz = qz, .rigid.motion = motion, .contact.list = contacts, .woven.tear_queue = cuts};
 
 #define ANY(array) any_bytes(&array, sizeof array)
 
@@ -84,16 +85,16 @@ void counts(void) {
 
 static void views(void) {
   fray_pool pool;
-  (void)fray_describe(&world);
-  (void)fray_limits(&world);
+  (void)fray_get_info(&world);
+  (void)fray_work_bound(&world);
   (void)fray_view_particles(&world);
-  (void)fray_view_sheet(&world);
-  (void)fray_view_row(&world, FRAY_STRUCTURAL, any_between(0, LINKS - 1));
-  (void)fray_view_row(&world, FRAY_SHEAR, any_between(0, SHEARS - 1));
+  (void)fray_view_weave(&world);
+  (void)fray_view_spring(&world, FRAY_STRUCTURAL, any_between(0, LINKS - 1));
+  (void)fray_view_spring(&world, FRAY_SHEAR, any_between(0, SHEARS - 1));
   (void)fray_view_body(&world, any_between(0, BODIES - 1));
-  (void)fray_particle_at(&world, any_between(0, CROSSINGS - 1));
-  (void)fray_particle_of(&world, any_between(0, CROSSINGS - 1), FRAY_WARP);
-  (void)fray_couple_at(&world, any_between(0, CROSSINGS - 1));
+  (void)fray_crossing_particle(&world, any_between(0, CROSSINGS - 1));
+  (void)fray_yarn_particle(&world, any_between(0, CROSSINGS - 1), FRAY_WARP);
+  (void)fray_crossing_state_at(&world, any_between(0, CROSSINGS - 1));
   (void)fray_hash(&world);
 }
 
@@ -107,9 +108,9 @@ static void validate(int32_t link_rows, int32_t keys_of_first) {
   fixed.shear_batches = SHEAR_BATCHES;
   batches[0].count = link_rows;
   /* as fray_open() has it */
-  world.particles = (uint32_t)fixed.particles + (SPLITS != 0 ? (uint32_t)yarn_words.split : 0u);
-  bodies[0].keys = keys_of_first;
-  bodies[1].keys = KEYS - keys_of_first;
+  world.p.count = (uint32_t)fixed.particles + (SPLITS != 0 ? (uint32_t)yarn_words.split : 0u);
+  bodies[0].keyframes = keys_of_first;
+  bodies[1].keyframes = KEYS - keys_of_first;
   if (image_validate(&world, &error) == FRAY_OK) views();
 }
 

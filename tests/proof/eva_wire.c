@@ -4,7 +4,7 @@
  * lanes; guards of both forms and ends. */
 #include "rt/wire/auth.h"
 #include "rt/wire/e2e.h"
-#include "rt/wire/guard.h"
+#include "rt/wire/auth_gate.h"
 #include "rt/wire/port.h"
 #include "rt/wire/sequence.h"
 #include "tests/proof/any.h"
@@ -28,6 +28,8 @@ void decodes(void) {
   codec_ack ack;
   codec_tear tear;
   codec_status status;
+  codec_identity identity;
+  (void)codec_decode_identity(&f, instance, &identity);
   (void)codec_decode_sync(&f, instance, &sync);
   if (codec_decode_pose(&f, instance, any_hand(), &pose) == CODEC_OK) {
     /*@ assert pose.counter <= 15 && pose.buttons <= 15; */
@@ -38,7 +40,7 @@ void decodes(void) {
   (void)codec_decode_command(&f, instance, &command);
   (void)codec_read_command(f.data, instance, &command);
   if (codec_decode_ack(&f, instance, &ack) == CODEC_OK) {
-    /*@ assert ack.command_counter <= 15 && ack.verb != 0 && ack.result <= 2; */
+    /*@ assert ack.command_counter <= 15 && ack.command != 0 && ack.result <= 2; */
   }
   if (codec_decode_tear(&f, instance, &tear) == CODEC_OK) {
     /*@ assert tear.kind >= CODEC_TEAR_STRUCTURAL && tear.kind <= CODEC_TEAR_CUT; */
@@ -59,6 +61,7 @@ void encodes(void) {
   codec_ack ack;
   codec_tear tear;
   codec_status status;
+  codec_identity identity;
   any_bytes(&sync, sizeof sync);
   any_bytes(&pose, sizeof pose);
   any_bytes(&force, sizeof force);
@@ -66,6 +69,7 @@ void encodes(void) {
   any_bytes(&ack, sizeof ack);
   any_bytes(&tear, sizeof tear);
   any_bytes(&status, sizeof status);
+  any_bytes(&identity, sizeof identity);
   codec_encode_sync(&f, instance, &sync);
   codec_encode_pose(&f, instance, any_hand(), &pose);
   codec_encode_force(&f, instance, any_hand(), &force);
@@ -73,6 +77,7 @@ void encodes(void) {
   codec_encode_ack(&f, instance, &ack);
   codec_encode_tear(&f, instance, &tear);
   codec_encode_status(&f, instance, &status);
+  codec_encode_identity(&f, instance, &identity);
   /*@ assert f.id <= FRAME_ID_MAX && f.length == 8; */
 }
 
@@ -90,7 +95,7 @@ void ports(void) {
       port_push(&p, &f);
     } else {
       port_take(&p, &input);
-      /*@ assert input.has_pose <= 3 && input.verb_counter <= 15; */
+      /*@ assert input.has_pose <= 3 && input.command_counter <= 15; */
     }
   }
 }
@@ -148,61 +153,61 @@ void lanes(void) {
 void groups(void) {
   cmac_key key;
   auth_group group;
-  auth_watch watch;
+  auth_monitor watch;
   frame tag;
   any_bytes(&key, sizeof key);
   auth_group_init(&group, &key, any_instance(), any_hand(), any_word());
-  auth_watch_init(&watch, &key, any_instance(), any_hand(), any_word());
+  auth_monitor_init(&watch, &key, any_instance(), any_hand(), any_word());
   while (any_word() != 0) {
     const frame f = any_frame();
     (void)auth_group_add(&group, &f, &tag);
-    (void)auth_watch_take(&watch, &f);
-    if (any_word() != 0) auth_watch_clear(&watch);
+    (void)auth_monitor_check(&watch, &f);
+    if (any_word() != 0) auth_monitor_clear(&watch);
   }
 }
 
-/* Everything that a guard is asked for, in any order and number. */
-static guard g;
+/* All calls of a gate, in any order and number. */
+static auth_gate g;
 
-static void guard_of(guard_form form, guard_end end) {
+static void auth_gate_of(auth_gate_form form, auth_gate_end end) {
   cmac_key key;
-  guard_lane of[GUARD_LANES];
+  auth_gate_lane of[AUTH_GATE_LANES];
   frame tag;
   any_bytes(&key, sizeof key);
-  guard_init(&g, &key, form, end, any_word(), any_word());
-  const uint32_t count = guard_lanes(&g, of);
-  /*@ assert count <= GUARD_LANES; */
-  for (uint32_t n = 0; n < GUARD_IN; ++n) {
+  auth_gate_init(&g, &key, form, end, any_word(), any_word());
+  const uint32_t count = auth_gate_lanes(&g, of);
+  /*@ assert count <= AUTH_GATE_LANES; */
+  for (uint32_t n = 0; n < AUTH_GATE_IN; ++n) {
     g.in[n].last = any_word();
-    g.in[n].most = any_word();
+    g.in[n].max = any_word();
   }
-  for (uint32_t n = 0; n < GUARD_OUT; ++n) {
+  for (uint32_t n = 0; n < AUTH_GATE_OUT; ++n) {
     g.out[n].last = any_word();
-    g.out[n].most = any_word();
+    g.out[n].max = any_word();
   }
   for (uint32_t h = 0; h < FRAY_HANDS; ++h) {
-    g.watch[h].group.last = any_word();
+    g.monitor[h].group.last = any_word();
     g.group[h].last = any_word();
   }
   while (any_word() != 0) {
     const frame f = any_frame();
     frame out = f;
     frame plain;
-    guard_tick(&g);
-    while (any_word() != 0) (void)guard_take(&g, &f, &plain);
-    (void)guard_seal(&g, &out);
-    (void)guard_tag(&g, &f, &tag);
-    (void)guard_alarm(&g);
-    if (any_word() != 0) guard_clear(&g);
+    auth_gate_begin_tick(&g);
+    while (any_word() != 0) (void)auth_gate_receive(&g, &f, &plain);
+    (void)auth_gate_seal(&g, &out);
+    (void)auth_gate_tag(&g, &f, &tag);
+    (void)auth_gate_alarm(&g);
+    if (any_word() != 0) auth_gate_clear(&g);
   }
 }
 
-void guards_fd(void) {
-  guard_of(GUARD_FD, GUARD_RUNTIME);
-  guard_of(GUARD_FD, GUARD_DEVICE);
+void auth_gates_fd(void) {
+  auth_gate_of(AUTH_GATE_FD, AUTH_GATE_RUNTIME);
+  auth_gate_of(AUTH_GATE_FD, AUTH_GATE_DEVICE);
 }
 
-void guards_classic(void) {
-  guard_of(GUARD_CLASSIC, GUARD_RUNTIME);
-  guard_of(GUARD_CLASSIC, GUARD_DEVICE);
+void auth_gates_classic(void) {
+  auth_gate_of(AUTH_GATE_CLASSIC, AUTH_GATE_RUNTIME);
+  auth_gate_of(AUTH_GATE_CLASSIC, AUTH_GATE_DEVICE);
 }

@@ -6,11 +6,7 @@
 
 work=$FRAY_BUILD/proof/misra
 mkdir -p "$work"
-if ! have cppcheck; then
-  not_run 'the MISRA rules' cppcheck
-  suite_end
-  exit
-fi
+suite_needs 'the MISRA rules' cppcheck cppcheck
 
 count_rules() { # SOURCE: prints `rule places`
   (cd "$work" && cppcheck --quiet --std=c11 --addon=misra -I. --suppress=missingIncludeSystem \
@@ -25,15 +21,11 @@ cp -r rt "$work/rt"
 count_rules rt >"$work/found"
 rules=0 places=0
 for rule in $(awk '{ print $1 }' "$work/listed" "$work/found" | sort -Vu); do
-  count=$(awk -v rule="$rule" '$1 == rule { print $2 }' "$work/found")
-  listed=$(awk -v rule="$rule" '$1 == rule { print $2 }' "$work/listed")
+  count=$(awk -v rule="$rule" '$1 "" == rule { print $2 }' "$work/found")
+  listed=$(awk -v rule="$rule" '$1 "" == rule { print $2 }' "$work/listed")
   rules=$((rules + 1)) places=$((places + ${count:-0}))
-  if [ "${count:-0}" = "${listed:-0}" ]; then
-    pass
-  else
-    fail "rule $rule: ${count:-0} places, misra.md says ${listed:-none}
-$(grep " misra-c2012-$rule\$" "$work/places" | head -n 20)"
-  fi
+  holds "rule $rule: ${count:-0} places, misra.md says ${listed:-none}
+$(grep " misra-c2012-$rule\$" "$work/places" | head -n 20)" [ "${count:-0}" = "${listed:-0}" ]
 done
 printf '  misra: %d rules are deviated from, in %d places; %d are listed\n' "$rules" "$places" \
   "$(wc -l <"$work/listed")"

@@ -1,10 +1,10 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Runs the proofs, JOBS at a time, the long ones first; a proof's lines come when it has ended. Last line
+# Runs PROOFS, JOBS at a time, the long ones first; a proof's lines come when it has ended. Last line
 # `N passed, N failed`, summed.
 set -eu
 out=${BUILD:-build}/proof
-parts='misra eva analyzer warnings'
+parts=${PROOFS:-misra eva analyzer warnings}
 mkdir -p "$out"
 rm -f "$out"/*.said "$out"/*.txt
 
@@ -19,7 +19,8 @@ printf '%s\n' $parts | xargs -P "${JOBS:-2}" -I PART sh -c '
 passed=0
 failed=0
 for part in $parts; do
-  line=$(grep -E '^[0-9]+ passed, [0-9]+ failed$' "$out/$part.txt" | tail -n 1) || line='0 passed, 1 failed'
+  line=$(grep -E '^[0-9]+ passed, [0-9]+ failed$' "$out/$part.txt" | tail -n 1)
+  line=${line:-0 passed, 1 failed}
   passed=$((passed + ${line%% *}))
   bad=${line##*, }
   bad=${bad%% *}

@@ -9,7 +9,7 @@
 #include "rt/wire/dictionary.h"
 #include "rt/wire/e2e.h"
 #include "rt/wire/frame.h"
-#include "rt/wire/guard.h"
+#include "rt/wire/auth_gate.h"
 #include "rt/wire/port.h"
 #include "rt/wire/queue.h"
 #include "rt/wire/sequence.h"
@@ -31,12 +31,12 @@ int main() {
   if (sequence_take(&s, 5) != SEQUENCE_NEW) return 3;
   const uint8_t secret[CMAC_KEY] = {};
   cmac_key key;
-  guard g;
+  auth_gate g;
   frame plain;
   cmac_key_init(&key, secret);
-  guard_init(&g, &key, GUARD_FD, GUARD_RUNTIME, 0, 1);
-  if (guard_take(&g, &f, &plain) != nullptr || g.plain != 1) return 4;
+  auth_gate_init(&g, &key, AUTH_GATE_FD, AUTH_GATE_RUNTIME, 0, 1);
+  if (auth_gate_receive(&g, &f, &plain) != nullptr || g.plain != 1) return 4;
   size_t bytes = 0;
   fray_error error{};
-  return fray_bytes(f.data, sizeof f.data, &bytes, &error) == FRAY_TRUNCATED ? 0 : 5;
+  return fray_memory_size(f.data, sizeof f.data, &bytes, &error) == FRAY_TRUNCATED ? 0 : 5;
 }

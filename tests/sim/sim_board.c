@@ -42,20 +42,20 @@ static void add(const frame *f, int own, int failed) {
   e->failed = (uint8_t)failed;
 }
 
-void sim_say(const frame *f) { add(f, 0, 0); }
+void sim_inject(const frame *f) { add(f, 0, 0); }
 
 void sim_pose(uint32_t hand, uint8_t counter, int16_t x, int16_t y, int16_t z) {
   frame f;
   const fray_pose pose = {x, y, z, (uint8_t)(counter & 15u), 0};
   codec_encode_pose(&f, 0, hand, &pose);
-  sim_say(&f);
+  sim_inject(&f);
 }
 
 void sim_command(uint8_t counter, uint8_t verb) {
   frame f;
   const codec_command command = {(uint8_t)(counter & 15u), verb, 0};
   codec_encode_command(&f, 0, &command);
-  sim_say(&f);
+  sim_inject(&f);
 }
 
 /* Like the real one: a grid that stays, missed ticks are not caught up. */

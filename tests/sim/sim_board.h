@@ -2,8 +2,8 @@
 /* platform/platform.h in virtual time, with a bus in memory: linked before the library, its three
  * functions stand in for platform/linux/board.c. The loop sends on one side; a test says what other
  * nodes say, in one order that the log keeps. */
-#ifndef FRAY_TESTS_SIM_BOARD_H
-#define FRAY_TESTS_SIM_BOARD_H
+#ifndef FRAY_TESTS_SIM_SIM_BOARD_H
+#define FRAY_TESTS_SIM_SIM_BOARD_H
 
 #include <stddef.h>
 
@@ -33,7 +33,7 @@ void sim_begin(uint32_t rate_hz);
 void sim_end(void);
 
 /* Another node's frame, now. */
-void sim_say(const frame *f);
+void sim_inject(const frame *f);
 void sim_pose(uint32_t hand, uint8_t counter, int16_t x, int16_t y, int16_t z);
 void sim_command(uint8_t counter, uint8_t verb);
 

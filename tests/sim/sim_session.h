@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A small cloth on two hands, its loop on the simulated bus, and a device that answers each SYNC. */
-#ifndef FRAY_TESTS_SIM_SESSION_H
-#define FRAY_TESTS_SIM_SESSION_H
+#ifndef FRAY_TESTS_SIM_SIM_SESSION_H
+#define FRAY_TESTS_SIM_SIM_SESSION_H
 
 #include "rt/wire/codec.h"
 #include "rt/wire/dictionary.h"
@@ -12,12 +12,12 @@
 FIXTURE void session_scene(fixture *f, uint32_t wide, uint32_t substeps, const char *density) {
   const double corner = (wide - 1) / 24.0;
   fixture_print(f,
-                "scene sim\nrate 1000 Hz\nsubsteps %u\nsweeps 1\ngravity 0 -981 0 cm/s2\nseed 1\n"
-                "sheet {\n warps %u\n wefts %u\n spacing 12 /cm\n density %s g/cm2\n"
+                "scene sim\nrate 1000 Hz\nsubsteps %u\niterations 1\ngravity 0 -981 0 cm/s2\nseed 1\n"
+                "woven {\n warps %u\n wefts %u\n spacing 12 /cm\n density %s g/cm2\n"
                 " thickness 0.01 cm\n structural 6000 g/s2\n bend 5 g/s2\n shear 2 g/s2\n tear off\n}\n"
-                "ball left {\n radius 0.1 cm\n at %.4f %.4f 0 cm\n move hand left\n grip 0.01 cm\n}\n"
-                "ball right {\n radius 0.1 cm\n at %.4f %.4f 0 cm\n move hand right\n"
-                " grip 0.01 cm\n}\n",
+                "sphere left {\n radius 0.1 cm\n at %.4f %.4f 0 cm\n move hand left\n attach_within 0.01 cm\n}\n"
+                "sphere right {\n radius 0.1 cm\n at %.4f %.4f 0 cm\n move hand right\n"
+                " attach_within 0.01 cm\n}\n",
                 substeps, wide, wide, density, -corner, corner, corner, corner);
 }
 
@@ -31,7 +31,7 @@ typedef struct {
 
 /* The world is built or opened before; counters go on where the world left off. */
 FIXTURE void session_begin(session *s) {
-  const fray_facts facts = fray_describe(s->f.w);
+  const fray_info facts = fray_get_info(s->f.w);
   sim_begin(facts.rate_hz);
   loop_begin(&s->l, s->f.w, 0);
   memcpy(s->counter, facts.consumed, sizeof s->counter);
@@ -47,7 +47,7 @@ FIXTURE void session_poses(session *s) {
   }
 }
 
-FIXTURE void session_say(session *s, uint8_t verb) {
+FIXTURE void session_command(session *s, uint8_t verb) {
   s->command = (uint8_t)((s->command + 1u) & 15u);
   sim_command(s->command, verb);
 }
@@ -67,22 +67,21 @@ FIXTURE int session_force_is_zero(const fray_output *o) {
 /* START, `ticks` ticks with the hands moving apart to `apart`. */
 FIXTURE void session_start(session *s, uint32_t ticks, int16_t apart) {
   session_poses(s);
-  session_say(s, FRAY_VERB_START);
+  session_command(s, FRAY_COMMAND_START);
   for (uint32_t n = 0; n < ticks; ++n) {
-    const int32_t way = n < 20 ? 0 : apart * (int32_t)(n - 20) / (int32_t)ticks;
-    s->apart = (int16_t)way;
+    const int32_t displacement = n < 20 ? 0 : apart * (int32_t)(n - 20) / (int32_t)ticks;
+    s->apart = (int16_t)displacement;
     (void)session_tick(s);
   }
 }
 
 /* A copy of a small session with both hands under force. */
 FIXTURE void session_under_force(fixture *saved) {
-  fixture f;
+  fixture_scoped f = {0};
   session_scene(&f, 4, 1, "0.25");
   const fray_output o = fixture_start_hands(&f, 150);
   CHECK_EQ_INT(o.state, FRAY_OPERATIONAL);
   fixture_copy(saved, &f);
-  fixture_close(&f);
 }
 
 #endif

@@ -6,6 +6,7 @@
 
 #include <linux/can.h>
 #include <linux/can/raw.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -45,9 +46,19 @@ void sys_fail(uint32_t kinds, uint32_t n, uint32_t length, int error) {
   sys.failed = 0;
 }
 
+/* Whether the signal comes before this time. It is raised then. */
+static int is_signalled(int64_t until_ns) {
+  if (sys.signal_ns == 0 || sys.signal_ns > until_ns) return 0;
+  if (sys.now_ns < sys.signal_ns) sys.now_ns = sys.signal_ns;
+  sys.signal_ns = 0;
+  (void)raise(sys.signal);
+  return 1;
+}
+
 static int fails(call_kind kind) {
   sys.now_ns += sys.call_ns;
   ++sys.calls;
+  (void)is_signalled(sys.now_ns);
   if ((sys.kinds >> kind & 1u) == 0) return 0;
   ++sys.number;
   if (sys.number < sys.first || sys.number - sys.first >= sys.length) return 0;
@@ -76,7 +87,7 @@ static void bring(const frame *f, int own, int64_t after_ns) {
   sys.rx[n].at_ns = at_ns;
 }
 
-void sys_say(const frame *f, int64_t after_ns) { bring(f, 0, after_ns); }
+void sys_inject(const frame *f, int64_t after_ns) { bring(f, 0, after_ns); }
 
 void sys_command(uint8_t verb) {
   frame f;
@@ -87,8 +98,7 @@ void sys_command(uint8_t verb) {
 }
 
 void sys_error(uint32_t class) {
-  frame f;
-  memset(&f, 0, sizeof f);
+  frame f = {0};
   f.id = class;
   f.error = 1;
   f.length = 8;
@@ -174,12 +184,11 @@ int sys_close(int fd) {
 
 ssize_t sys_send(int fd, const void *data, size_t bytes) {
   struct canfd_frame raw;
-  frame f;
+  frame f = {0};
   if (fails(CALL_SEND)) return -1;
   if (fd != KERNEL_FD) abort();
   memset(&raw, 0, sizeof raw);
   memcpy(&raw, data, bytes);
-  memset(&f, 0, sizeof f);
   f.id = raw.can_id & CAN_SFF_MASK;
   f.length = raw.len;
   memcpy(f.data, raw.data, 8);
@@ -240,6 +249,8 @@ int sys_poll(struct pollfd *fds, nfds_t count, const struct timespec *timeout) {
 int sys_sleep_until(const struct timespec *when) {
   if (fails(CALL_SLEEP)) return -1;
   const int64_t end_ns = (int64_t)when->tv_sec * 1000000000 + when->tv_nsec;
+  errno = EINTR;
+  if (sys.now_ns < end_ns && is_signalled(end_ns)) return -1;
   if (sys.now_ns < end_ns) sys.now_ns = end_ns;
   return 0;
 }
@@ -265,4 +276,11 @@ ssize_t sys_log(int fd, const char *text, size_t bytes) {
   memcpy(sys.file + sys.file_bytes, text, bytes);
   sys.file_bytes += bytes;
   return (ssize_t)bytes;
+}
+
+int sys_log_sync(int fd) {
+  (void)fd;
+  if (fails(CALL_LOG_SYNC)) return -1;
+  sys.now_ns += sys.sync_ns;
+  return 0;
 }

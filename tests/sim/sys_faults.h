@@ -10,7 +10,7 @@
 
 #include "rt/wire/frame.h"
 
-/* The loop's calls, then those that open and close its socket. */
+/* The calls of the loop and of the log's writer, then those that open and close its socket. */
 typedef enum {
   CALL_RECEIVE,
   CALL_SEND,
@@ -18,6 +18,7 @@ typedef enum {
   CALL_SLEEP,
   CALL_NOW,
   CALL_LOG,
+  CALL_LOG_SYNC,
   CALL_SOCKET,
   CALL_INTERFACE,
   CALL_SET_OPTION,
@@ -27,7 +28,7 @@ typedef enum {
   CALLS
 } call_kind;
 
-enum { CALLS_OF_LOOP = CALL_LOG + 1 };
+enum { CALLS_OF_LOOP = CALL_LOG_SYNC + 1 };
 enum { KERNEL_FRAMES = 1 << 17, KERNEL_FILE = 1 << 23, KERNEL_FILTERS = 64, KERNEL_FD = 5 };
 
 typedef struct {
@@ -40,6 +41,9 @@ typedef struct {
   uint32_t failed;
   int64_t disk_room;   /* bytes that the file still takes; -1: any number */
   uint32_t short_write; /* so many bytes of a write at most; 0: all */
+  int64_t sync_ns;     /* what a fdatasync takes, beside the call */
+  int64_t signal_ns;   /* when `signal` comes; 0: none does */
+  int signal;
   uint32_t down;       /* the interface: a bound socket says ENETDOWN */
   uint32_t deaf;       /* the bus does not confirm: nothing sent comes back */
   uint32_t sockets;    /* open */
@@ -67,7 +71,7 @@ void sys_end(void);
 /* From now on: the n-th call (from 1) of each of these kinds together, and `length` in a row. */
 void sys_fail(uint32_t kinds, uint32_t n, uint32_t length, int error);
 /* Another node's frame, so long after now. */
-void sys_say(const frame *f, int64_t after_ns);
+void sys_inject(const frame *f, int64_t after_ns);
 /* An operator's COMMAND on the bus, now. */
 void sys_command(uint8_t verb);
 /* The controller reports an error of this class (linux/can/error.h). */

@@ -4,26 +4,21 @@
 #include <stdlib.h>
 
 #include "tests/lib/test.h"
-#include "tests/sim/sim_session.h"
-#include "tools/replay.h"
-
-enum { TICKS_MAX = 4096 };
+#include "tests/sim/session_replay.h"
 
 static session s;
-static uint32_t hashes[TICKS_MAX];
-static uint32_t ticks, losses;
+static uint32_t losses;
 
 static loop_result one_tick(void) {
-  const loop_result result = session_tick(&s);
-  if (result == LOOP_TICKED && ticks < TICKS_MAX)
-    hashes[ticks++] = (uint32_t)(s.l.output.hash & 0xFFFFFFFFu);
+  const loop_result result = session_hashed_tick(&s);
+  session_poses(&s);
   return result;
 }
 
 static void begin(void) {
   session_scene(&s.f, 8, 4, "0.25");
   session_begin(&s);
-  ticks = 0;
+  session_ticks = 0;
   losses = 0;
 }
 
@@ -33,7 +28,7 @@ static void end(void) {
 }
 
 static void start(int16_t apart) {
-  session_say(&s, FRAY_VERB_START);
+  session_command(&s, FRAY_COMMAND_START);
   for (int32_t n = 0; n < 160; ++n) {
     s.apart = (int16_t)(n < 20 ? 0 : apart * (n - 20) / 160);
     CHECK_EQ_INT(one_tick(), LOOP_TICKED);
@@ -42,11 +37,17 @@ static void start(int16_t apart) {
   CHECK(!session_force_is_zero(&s.l.output));
 }
 
+static void begin_under_force(void) {
+  begin();
+  session_poses(&s);
+  start(60);
+}
+
 /* `count` SYNCs are lost; `seen`: they are on the bus, and only nobody said so. */
 static void lose(uint32_t count, uint32_t seen) {
   const size_t from = sim.count;
   const uint64_t known = fray_hash(s.f.w);
-  const uint32_t tick = fray_describe(s.f.w).tick;
+  const uint64_t tick = fray_get_info(s.f.w).tick;
   sim.sync_fails = count;
   sim.sync_seen = seen;
   s.silent = seen ? 0 : 3;
@@ -57,11 +58,11 @@ static void lose(uint32_t count, uint32_t seen) {
   losses += count;
   CHECK_EQ_INT(s.l.bus_losses, losses);
   CHECK(fray_hash(s.f.w) == known);
-  CHECK_EQ_INT(fray_describe(s.f.w).tick, tick);
+  CHECK_EQ_INT(fray_get_info(s.f.w).tick, tick);
   for (size_t n = from; n < sim.count; ++n) {
     const sim_entry *e = &sim.entries[n];
     codec_sync sync;
-    if (!e->own) continue;
+    if (!e->own || (tick == 0 && n == from && e->f.id == dictionary_id(MESSAGE_IDENTITY, 0))) continue;
     CHECK_EQ_INT(codec_decode_sync(&e->f, 0, &sync), CODEC_OK); /* nothing else is sent */
     CHECK_EQ_INT(sync.tick, tick);
     CHECK(sync.hash == (uint32_t)(known & 0xFFFFFFFFu));
@@ -75,7 +76,7 @@ static void comes_back(void) {
   static const dictionary_message expected[] = {MESSAGE_SYNC,        MESSAGE_COMMAND, MESSAGE_FORCE_LEFT,
                                                 MESSAGE_FORCE_RIGHT, MESSAGE_ACK,     MESSAGE_STATUS};
   const size_t from = sim.count;
-  const uint32_t tick = fray_describe(s.f.w).tick;
+  const uint64_t tick = fray_get_info(s.f.w).tick;
   const uint32_t frames = s.l.output.faults == FRAY_FAULT_HALTED ? 5 : 6;
   const uint32_t known = (uint32_t)(fray_hash(s.f.w) & 0xFFFFFFFFu);
   s.silent = 0;
@@ -90,8 +91,8 @@ static void comes_back(void) {
   CHECK_EQ_INT(codec_decode_sync(&sim.entries[from].f, 0, &sync), CODEC_OK);
   CHECK(sync.tick == tick && sync.hash == known);
   CHECK_EQ_INT(codec_decode_command(&sim.entries[from + 1].f, 0, &command), CODEC_OK);
-  CHECK_EQ_INT(command.verb, FRAY_VERB_HALT);
-  CHECK_EQ_INT(s.l.output.acked, FRAY_VERB_HALT);
+  CHECK_EQ_INT(command.command, FRAY_COMMAND_HALT);
+  CHECK_EQ_INT(s.l.output.answered, FRAY_COMMAND_HALT);
   CHECK_EQ_INT(s.l.output.result, FRAY_RESULT_OK);
   CHECK_EQ_INT(s.l.output.state, FRAY_SAFE);
   CHECK_EQ_INT(s.l.output.faults, FRAY_FAULT_HALTED);
@@ -100,45 +101,21 @@ static void comes_back(void) {
 }
 
 static void leave_safe(void) {
-  session_say(&s, FRAY_VERB_START);
+  session_command(&s, FRAY_COMMAND_START);
   CHECK_EQ_INT(one_tick(), LOOP_TICKED);
   CHECK_EQ_INT(s.l.output.result, FRAY_RESULT_REFUSED);
-  session_say(&s, FRAY_VERB_RESET);
+  session_command(&s, FRAY_COMMAND_RESET);
   CHECK_EQ_INT(one_tick(), LOOP_TICKED);
   CHECK_EQ_INT(s.l.output.state, FRAY_READY);
   CHECK_EQ_INT(s.l.output.faults, 0);
 }
 
-/* A fresh world with what the log says: every hash that the bus and the world said. */
 static void replays(void) {
   candump_log log;
-  candump_error error;
-  replay r;
-  size_t bytes;
-  char *const text = sim_log(&bytes);
-  memset(&error, 0, sizeof error);
-  CHECK(candump_parse_all("sim", text, bytes, &log, &error));
-  const replay_setting setting = {0, s.f.facts.hands, s.f.facts.rate_hz, {0, 0}};
-  const int good = replay_read("sim", &log, &setting, &r, &error);
-  if (!good) candump_print_error(stdout, &error);
-  CHECK(good);
-  free(text);
-  candump_free(&log);
-  if (!good) return;
-  fixture again = s.f;
-  uint32_t bad = 0;
-  fixture_open_image(&again);
-  CHECK_EQ_INT(r.count, ticks);
-  for (uint32_t n = 0; n < r.count && n < ticks; ++n) {
-    const fray_output o = fixture_tick(&again, &r.ticks[n].input);
-    bad += (uint32_t)(o.hash & 0xFFFFFFFFu) != hashes[n];
-    bad += r.ticks[n].hash_line != 0 && r.ticks[n].hash != hashes[n];
-  }
-  CHECK_EQ_INT(bad, 0);
-  printf("figure bus_lost_ticks_replayed %u of %u (asked: the same hash after each)\n", r.count - bad,
-         ticks);
-  free(again.memory);
-  replay_free(&r);
+  session_end_log(&s, &log);
+  const uint32_t bad = session_replay(&s, &log);
+  printf("figure bus_lost_ticks_replayed %u of %u (asked: the same hash after each)\n", session_ticks - bad,
+         session_ticks);
 }
 
 static void save_bytes(const char *path, const void *data, size_t bytes) {
@@ -198,9 +175,7 @@ static void lost_when_idle(void) {
 
 /* HALT finds the queue full: no tick before it was said. */
 static void halt_waits_until_it_was_said(void) {
-  begin();
-  session_poses(&s);
-  start(60);
+  begin_under_force();
   lose(1, 0);
   sim.send_fails = 1;
   s.silent = 0;
@@ -213,11 +188,9 @@ static void halt_waits_until_it_was_said(void) {
 
 /* An operator's COMMAND in the tick of the loop's own HALT is not taken and has no ACK. */
 static void an_operators_command_gives_way(void) {
-  begin();
-  session_poses(&s);
-  start(60);
+  begin_under_force();
   lose(1, 0);
-  session_say(&s, FRAY_VERB_RESET);
+  session_command(&s, FRAY_COMMAND_RESET);
   const size_t from = sim.count;
   comes_back();
   CHECK_EQ_INT(sim_own(from, dictionary_id(MESSAGE_ACK, 0), 0), 1);
@@ -229,13 +202,11 @@ static void an_operators_command_gives_way(void) {
 
 /* STOP of the program itself, lost bus in between: HALT takes its place, the forces end all the same. */
 static void stop_while_lost(void) {
-  begin();
-  session_poses(&s);
-  start(60);
-  loop_command(&s.l, FRAY_VERB_STOP);
+  begin_under_force();
+  loop_command(&s.l, FRAY_COMMAND_STOP);
   lose(3, 0);
   comes_back();
-  CHECK_EQ_INT(s.l.command, FRAY_VERB_NONE);
+  CHECK_EQ_INT(s.l.command, FRAY_COMMAND_NONE);
   replays();
   sim.stop = 1;
   CHECK_EQ_INT(loop_run(&s.l), LOOP_STOPPED);
@@ -244,15 +215,13 @@ static void stop_while_lost(void) {
 
 /* What the board refuses is said in the next tick, and the recording holds. */
 static void a_refused_frame_is_said_again(void) {
-  begin();
-  session_poses(&s);
-  start(60);
+  begin_under_force();
   for (uint32_t n = 0; n < 40; ++n) {
     const int answered = n == 14;
-    if (answered) session_say(&s, FRAY_VERB_ZERO);
+    if (answered) session_command(&s, FRAY_COMMAND_ZERO);
     if (n % 10 == 4) sim.send_fails = answered ? 3 : 1 + n / 20; /* FORCE, FORCE, ACK */
     CHECK_EQ_INT(one_tick(), LOOP_TICKED);
-    CHECK_EQ_INT(s.l.output.acked, answered ? FRAY_VERB_ZERO : FRAY_VERB_NONE);
+    CHECK_EQ_INT(s.l.output.answered, answered ? FRAY_COMMAND_ZERO : FRAY_COMMAND_NONE);
     CHECK_EQ_INT(s.l.unsent_count, n % 10 != 4 ? 0 : answered ? 3 : 1 + n / 20);
   }
   CHECK_EQ_INT(s.l.frames_lost, 0);
@@ -265,7 +234,6 @@ static void a_lost_force_is_named(void) {
   candump_log log;
   candump_error error;
   replay r;
-  size_t bytes;
   begin();
   session_poses(&s);
   for (uint32_t n = 0; n < 20; ++n) {
@@ -273,14 +241,18 @@ static void a_lost_force_is_named(void) {
     CHECK_EQ_INT(one_tick(), LOOP_TICKED);
   }
   CHECK_EQ_INT(s.l.frames_lost, 1);
-  char *const text = sim_log(&bytes);
-  CHECK(candump_parse_all("sim", text, bytes, &log, &error));
-  const replay_setting setting = {0, s.f.facts.hands, s.f.facts.rate_hz, {0, 0}};
-  CHECK(!replay_read("sim", &log, &setting, &r, &error));
+  session_end_log(&s, &log);
+  CHECK(!session_read_replay(&s, &log, &r, &error));
   CHECK(strstr(error.message, "expected that of tick 10") != NULL);
-  free(text);
   candump_free(&log);
   end();
+}
+
+static void refuse_both_forces(void) {
+  begin_under_force();
+  sim.send_fails = 2;
+  CHECK_EQ_INT(one_tick(), LOOP_TICKED);
+  CHECK_EQ_INT(s.l.unsent_count, 2);
 }
 
 static void nothing_of_before_comes(void) {
@@ -296,12 +268,7 @@ static void nothing_of_before_comes(void) {
 
 /* The bus is lost before it could be said again: no force of before comes after. */
 static void a_refused_force_is_dropped_with_the_bus(void) {
-  begin();
-  session_poses(&s);
-  start(60);
-  sim.send_fails = 2;
-  CHECK_EQ_INT(one_tick(), LOOP_TICKED);
-  CHECK_EQ_INT(s.l.unsent_count, 2);
+  refuse_both_forces();
   lose(1, 0);
   nothing_of_before_comes();
   end();
@@ -309,12 +276,7 @@ static void a_refused_force_is_dropped_with_the_bus(void) {
 
 /* Nor when the bus is there and HALT has to wait. */
 static void a_refused_force_does_not_wait_for_halt(void) {
-  begin();
-  session_poses(&s);
-  start(60);
-  sim.send_fails = 2;
-  CHECK_EQ_INT(one_tick(), LOOP_TICKED);
-  CHECK_EQ_INT(s.l.unsent_count, 2);
+  refuse_both_forces();
   s.l.halt = 1;
   sim.send_fails = 3; /* HALT, FORCE, FORCE */
   CHECK_EQ_INT(one_tick(), LOOP_BUS_LOST);

@@ -20,7 +20,7 @@ static long sessions;
 static void encode(frame *f, uint32_t number) {
   const uint8_t counter = (uint8_t)((number + 1) & 15u);
   if (lane == COMMANDS) {
-    const codec_command command = {counter, FRAY_VERB_START, 0};
+    const codec_command command = {counter, FRAY_COMMAND_START, 0};
     codec_encode_command(f, 0, &command);
   } else {
     const fray_pose pose = {(int16_t)number, 0, 0, counter, 0};
@@ -38,10 +38,10 @@ static void say(uint32_t number) {
 static int tick(void) {
   fray_input input;
   port_take(&p, &input);
-  const int got = lane == COMMANDS ? input.verb != 0 : input.has_pose != 0;
+  const int got = lane == COMMANDS ? input.command != 0 : input.has_pose != 0;
   ticks_given += (uint32_t)got;
   if (!got) return -1;
-  return lane == COMMANDS ? input.verb_counter : input.pose[lane].x;
+  return lane == COMMANDS ? input.command_counter : input.pose[lane].x;
 }
 
 static void begin(void) {

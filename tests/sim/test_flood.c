@@ -16,15 +16,14 @@ static uint64_t seed;
 /* One of two is for nobody, the other has the id of a hand's POSE. */
 static void flood(uint32_t count) {
   for (uint32_t n = 0; n < count; ++n) {
-    frame f;
-    memset(&f, 0, sizeof f);
+    frame f = {0};
     f.length = 8;
     f.id = n % 2 == 0 ? 0x7A0 : dictionary_id(dictionary_pose(n / 2 % 2), 0);
-    const uint64_t bits = fixture_random(&seed);
+    const uint64_t bits = splitmix64(&seed);
     memcpy(f.data, &bits, 8);
     fray_pose pose;
     if (n % 2 != 0 && codec_read_pose(f.data, 0, n / 2 % 2, &pose) == CODEC_OK) f.data[0] ^= 1;
-    sim_say(&f);
+    sim_inject(&f);
   }
 }
 
@@ -47,11 +46,11 @@ static outcome run(uint32_t a_tick) {
   for (uint32_t tick = 0; tick < TICKS; ++tick) {
     const uint32_t before = looked_at(&s.l.in.statistics);
     const uint32_t all = tick < CALM ? 0 : a_tick;
-    const uint32_t first = (uint32_t)(fixture_random(&seed) % (all / 2 + 1u)) * 2;
+    const uint32_t first = (uint32_t)(splitmix64(&seed) % (all / 2 + 1u)) * 2;
     flood(first);
     for (uint32_t h = 0; h < FRAY_HANDS; ++h)
       sim_pose(h, (uint8_t)(tick + 1), (int16_t)tick, 0, 0);
-    if (tick == 0) session_say(&s, FRAY_VERB_START);
+    if (tick == 0) session_command(&s, FRAY_COMMAND_START);
     flood(all - first);
     CHECK_EQ_INT(loop_run(&s.l), LOOP_TICKED);
     CHECK_EQ_INT(s.l.output.tick, tick);
@@ -77,7 +76,7 @@ static outcome run(uint32_t a_tick) {
   CHECK_EQ_INT(p->wrong_length + p->wrong_flags, 0);
   CHECK_EQ_INT(p->wrong_field, 0);
   /* every frame is in one counter or still waits */
-  CHECK_EQ_INT(looked_at(p) + p->queue_full + s.l.in.waiting.count,
+  CHECK_EQ_INT(looked_at(p) + p->queue_full + s.l.in.pending.count,
                a_tick / 2 * FLOODED + 2 * TICKS + 1);
   CHECK(o.looked_most <= PORT_FRAMES_PER_TICK);
   return o;

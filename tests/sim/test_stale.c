@@ -101,9 +101,9 @@ static void hands_that_fall_silent(void) {
   for (uint32_t n = 0; n < MOMENTS; ++n) {
     reopen();
     s.apart = apart;
-    const int64_t phase_us = (int64_t)(fixture_random(&seed) % 1000u);
-    const int64_t cut_us = (int64_t)(fixture_random(&seed) % (CUT_TICKS_MAX * 1000u));
-    const verdict v = fall_silent(phase_us, cut_us, 1u + (uint32_t)(fixture_random(&seed) % 3u));
+    const int64_t phase_us = (int64_t)(splitmix64(&seed) % 1000u);
+    const int64_t cut_us = (int64_t)(splitmix64(&seed) % (CUT_TICKS_MAX * 1000u));
+    const verdict v = fall_silent(phase_us, cut_us, 1u + (uint32_t)(splitmix64(&seed) % 3u));
     bad += v.bad != 0;
     loaded += v.loaded != 0;
     if (v.stale_ticks > worst.stale_ticks) worst.stale_ticks = v.stale_ticks;

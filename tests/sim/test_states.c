@@ -4,110 +4,55 @@
  * steps, in which hands arm and fall silent. */
 #include <stdlib.h>
 
+#include "tests/lib/state_model.h"
 #include "tests/lib/test.h"
 #include "tests/sim/sim_session.h"
 
-enum { STEPS = 5, LONG_STEPS = 3, LONG_TICKS = 17, VERBS = 7, ARM = 16, STALE = 3, FADE = 10 };
+enum { STEPS = 5, LONG_STEPS = 3, LONG_TICKS = 17, VERBS = 7 };
 
-static const uint8_t verbs[VERBS] = {FRAY_VERB_NONE,  FRAY_VERB_START, FRAY_VERB_STOP, FRAY_VERB_RESET,
-                                     FRAY_VERB_ZERO, FRAY_VERB_HALT,  77};
-
-/* What rt/fray.h says, in its own terms. */
-typedef struct {
-  int mode, wish, zeroed;
-  uint32_t faults;
-  int poses, gaps; /* ticks in a row, of both hands */
-  int dark;        /* ticks in a row without a right to force */
-  uint8_t verb, result;
-} model;
-
-static uint8_t answer(model *m, uint8_t verb) {
-  const int was = m->mode;
-  if (verb == 77) return FRAY_RESULT_UNKNOWN;
-  if (verb == FRAY_VERB_HALT) {
-    m->mode = FRAY_SAFE;
-    m->wish = 0;
-    m->faults |= FRAY_FAULT_HALTED;
-    return FRAY_RESULT_OK;
-  }
-  if (verb == FRAY_VERB_RESET) {
-    if (was != FRAY_SAFE) return FRAY_RESULT_REFUSED;
-    m->mode = FRAY_READY;
-    m->faults = 0;
-    return FRAY_RESULT_OK;
-  }
-  if (was == FRAY_SAFE) return FRAY_RESULT_REFUSED;
-  if (verb == FRAY_VERB_ZERO) {
-    if (was != FRAY_OPERATIONAL) return FRAY_RESULT_REFUSED;
-    m->zeroed = 1;
-  }
-  if (verb == FRAY_VERB_START) {
-    m->wish = was == FRAY_READY;
-    m->zeroed = 0;
-  }
-  if (verb == FRAY_VERB_STOP) {
-    m->mode = FRAY_READY;
-    m->wish = 0;
-  }
-  return FRAY_RESULT_OK;
-}
-
-static void model_tick(model *m, uint8_t verb, int has_poses) {
-  m->poses = has_poses ? m->poses + 1 : 0;
-  m->gaps = has_poses ? 0 : m->gaps + 1;
-  m->verb = verb;
-  m->result = verb == FRAY_VERB_NONE ? FRAY_RESULT_OK : answer(m, verb);
-  if (m->mode == FRAY_READY && m->wish && m->poses >= ARM) {
-    m->mode = FRAY_OPERATIONAL;
-    m->wish = 0;
-  }
-  if (m->mode == FRAY_OPERATIONAL && m->gaps >= STALE) {
-    m->mode = FRAY_SAFE;
-    m->faults |= FRAY_FAULT_STALE_LEFT | FRAY_FAULT_STALE_RIGHT;
-  }
-  m->dark = m->mode == FRAY_OPERATIONAL && !m->zeroed ? 0 : m->dark + 1;
-}
+static const uint8_t verbs[VERBS] = {FRAY_COMMAND_NONE,  FRAY_COMMAND_START, FRAY_COMMAND_STOP, FRAY_COMMAND_RESET,
+                                     FRAY_COMMAND_ZERO, FRAY_COMMAND_HALT,  MODEL_UNKNOWN_VERB};
 
 static fixture f;
-static model now;
+static state_model now;
 static uint64_t ticks_tried, dark_forces, shown, forces_seen;
 static int32_t reach; /* each hand's way out */
 
 static void complain(const char *what, long long is, long long expected) {
   ++test_bad_checks;
-  if (shown++ < 10) printf("tick %u: %s %lld, expected %lld\n", f.facts.tick, what, is, expected);
+  if (shown++ < 10) printf("tick %llu: %s %lld, expected %lld\n", (unsigned long long)f.facts.tick, what, is, expected);
 }
 
 static void step(uint8_t verb, int has_poses) {
   const int32_t at[FRAY_HANDS][3] = {{-reach, 0, 0}, {reach, 0, 0}};
-  fray_input input = fixture_poses(&f, at, (uint32_t)now.poses);
+  fray_input input = fixture_poses(&f, at, now.good[0]);
   if (!has_poses) input.has_pose = 0;
-  input.verb = verb;
-  input.verb_counter = 5;
+  input.command = verb;
+  input.command_counter = 5;
   const fray_output o = fixture_tick(&f, &input);
-  model_tick(&now, verb, has_poses);
+  const fray_result result = state_model_tick(&now, has_poses ? 3 : 0, verb);
   ++ticks_tried;
-  if (o.state != now.mode) complain("state", o.state, now.mode);
+  if (o.state != now.state) complain("state", o.state, now.state);
   if (o.faults != now.faults) complain("faults", o.faults, now.faults);
-  if (o.acked != now.verb) complain("acked", o.acked, now.verb);
-  if (o.result != now.result) complain("result", o.result, now.result);
-  if (verb != FRAY_VERB_NONE && o.ack_counter != 5) complain("counter", o.ack_counter, 5);
-  if (now.dark == 0 && f.w->state->ramp == 0) complain("no force let out in state", o.state, 0);
+  if (o.answered != verb) complain("acked", o.answered, verb);
+  if (o.result != result) complain("result", o.result, result);
+  if (verb != FRAY_COMMAND_NONE && o.answer_counter != 5) complain("counter", o.answer_counter, 5);
+  if (now.since_up == 0 && f.w->state->ramp == 0) complain("no force let out in state", o.state, 0);
   if (session_force_is_zero(&o)) return;
   ++forces_seen;
-  if (now.dark < FADE) return;
+  if (now.since_up < MODEL_FADE) return;
   ++dark_forces;
-  complain("force without a right to it, ticks", now.dark, 0);
+  complain("force without a right to it, ticks", now.since_up, 0);
 }
 
 /* A world is the memory it was opened in: a copy of it is the world at that tick. */
 static void walk(uint32_t depth, uint32_t ticks, void *const *saves) {
   if (depth == 0) return;
-  const model before = now;
+  const state_model before = now;
   memcpy(saves[depth], f.memory, f.memory_bytes);
   for (uint32_t n = 0; n < 2 * VERBS; ++n) {
     step(verbs[n / 2], n % 2 == 0);
-    for (uint32_t more = 1; more < ticks; ++more) step(FRAY_VERB_NONE, n % 2 == 0);
+    for (uint32_t more = 1; more < ticks; ++more) step(FRAY_COMMAND_NONE, n % 2 == 0);
     walk(depth - 1, ticks, saves);
     memcpy(f.memory, saves[depth], f.memory_bytes);
     now = before;
@@ -118,15 +63,15 @@ static void walk(uint32_t depth, uint32_t ticks, void *const *saves) {
 static void go_to(uint32_t poses, int start, uint8_t verb, int loaded) {
   session_scene(&f, 4, 1, "100");
   memset(&now, 0, sizeof now);
-  now.mode = FRAY_READY;
-  now.dark = FADE;
+  now.state = FRAY_READY;
+  now.since_up = MODEL_FADE;
   reach = 0;
-  if (start) step(FRAY_VERB_START, 1);
+  if (start) step(FRAY_COMMAND_START, 1);
   for (uint32_t n = 0; n < poses; ++n) {
     if (loaded && n > 20 && n % 4 == 0) reach += 1;
-    step(FRAY_VERB_NONE, 1);
+    step(FRAY_COMMAND_NONE, 1);
   }
-  if (verb != FRAY_VERB_NONE) step(verb, 1);
+  if (verb != FRAY_COMMAND_NONE) step(verb, 1);
 }
 
 static void walk_from(const char *name, uint32_t depth, uint32_t ticks) {
@@ -144,29 +89,29 @@ static void walk_from(const char *name, uint32_t depth, uint32_t ticks) {
 }
 
 static void every_order_of_commands(void) {
-  go_to(0, 0, FRAY_VERB_NONE, 0);
+  go_to(0, 0, FRAY_COMMAND_NONE, 0);
   walk_from("a new world", STEPS, 1);
-  go_to(ARM - 3, 1, FRAY_VERB_NONE, 0);
+  go_to(MODEL_ARM - 3, 1, FRAY_COMMAND_NONE, 0);
   walk_from("START, two poses short", STEPS, 1);
-  go_to(200, 1, FRAY_VERB_NONE, 1);
-  CHECK_EQ_INT(now.mode, FRAY_OPERATIONAL);
+  go_to(200, 1, FRAY_COMMAND_NONE, 1);
+  CHECK_EQ_INT(now.state, FRAY_OPERATIONAL);
   walk_from("OPERATIONAL under force", STEPS, 1);
-  go_to(200, 1, FRAY_VERB_ZERO, 1);
+  go_to(200, 1, FRAY_COMMAND_ZERO, 1);
   walk_from("ZERO, force fading", STEPS, 1);
-  go_to(200, 1, FRAY_VERB_STOP, 1);
+  go_to(200, 1, FRAY_COMMAND_STOP, 1);
   walk_from("STOP, force fading", STEPS, 1);
-  go_to(200, 1, FRAY_VERB_HALT, 1);
-  CHECK_EQ_INT(now.mode, FRAY_SAFE);
+  go_to(200, 1, FRAY_COMMAND_HALT, 1);
+  CHECK_EQ_INT(now.state, FRAY_SAFE);
   walk_from("SAFE, force fading", STEPS, 1);
 }
 
 /* Long enough a step to arm the hands, to find them stale, and to fade. */
 static void every_order_of_long_steps(void) {
-  go_to(0, 0, FRAY_VERB_NONE, 0);
+  go_to(0, 0, FRAY_COMMAND_NONE, 0);
   walk_from("a new world", LONG_STEPS + 1, LONG_TICKS);
-  go_to(200, 1, FRAY_VERB_NONE, 1);
+  go_to(200, 1, FRAY_COMMAND_NONE, 1);
   walk_from("OPERATIONAL under force", LONG_STEPS + 1, LONG_TICKS);
-  go_to(200, 1, FRAY_VERB_HALT, 1);
+  go_to(200, 1, FRAY_COMMAND_HALT, 1);
   walk_from("SAFE, force fading", LONG_STEPS, LONG_TICKS);
   CHECK(forces_seen > 1000);
   CHECK_EQ_INT(dark_forces, 0);

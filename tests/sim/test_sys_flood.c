@@ -2,23 +2,17 @@
 /* A flood of 20,000 frames/s, as much as 1 Mbit/s carries, through the Linux board in virtual time, with
  * system calls that take 15 us each, as in a slow guest: half of them look like POSEs of the left hand
  * and fail the check, half have ids of nobody. Beside it the same run without a flood. */
-#include "platform/linux/board.h"
 #include "tests/lib/test.h"
-#include "tests/sim/sim_session.h"
-#include "tests/sim/sys_faults.h"
+#include "tests/sim/sys_session.h"
 
 enum {
   TICKS = 3000,
   FLOOD_US = 50,
   CALL_NS = 15000,
   READS_MAX = 20, /* 10 of the flood, 2 poses, echoes: SYNC, 2 FORCE, STATUS; and some to spare */
-  AHEAD_NS = 3000000,
-  LOG_FD = 9
+  AHEAD_NS = 3000000
 };
 
-static fixture saved;
-static void *memory;
-static loop l;
 static uint64_t seed;
 static uint32_t damaged, foreign;
 static int64_t next_flood_ns;
@@ -29,16 +23,7 @@ typedef struct {
 } outcome;
 
 static void begin(void) {
-  fray_error error;
-  fray_world *world;
-  if (fray_open(saved.image, saved.image_bytes, memory, saved.memory_bytes, &world, &error) != FRAY_OK)
-    fixture_give_up("fray_open", error.what);
-  const fray_facts facts = fray_describe(world);
-  sys_begin();
-  sys.call_ns = CALL_NS;
-  sys.counter = facts.consumed[0];
-  CHECK(board_open("sys0", 0, facts.rate_hz, 0, LOG_FD));
-  loop_begin(&l, world, 0);
+  CHECK(sys_session_begin(CALL_NS));
   next_flood_ns = sys.now_ns;
   damaged = foreign = 0;
   seed = 7;
@@ -47,10 +32,9 @@ static void begin(void) {
 /* What comes until well after the next tick. */
 static void flood(void) {
   for (; next_flood_ns < sys.now_ns + AHEAD_NS; next_flood_ns += FLOOD_US * 1000) {
-    const uint64_t bits = fixture_random(&seed);
+    const uint64_t bits = splitmix64(&seed);
     fray_pose pose;
-    frame f;
-    memset(&f, 0, sizeof f);
+    frame f = {0};
     f.length = 8;
     memcpy(f.data, &bits, 8);
     f.id = dictionary_id(MESSAGE_POSE_LEFT, 0);
@@ -60,7 +44,7 @@ static void flood(void) {
     if (next_flood_ns < sys.now_ns) continue;
     damaged += !is_foreign;
     foreign += is_foreign != 0;
-    sys_say(&f, next_flood_ns - sys.now_ns);
+    sys_inject(&f, next_flood_ns - sys.now_ns);
   }
 }
 
@@ -119,15 +103,8 @@ static void flooded_or_not(void) {
   figure("sys_flood_late_more", (double)(o.late_most_ns - quiet.late_most_ns) / 1e3, "us", "0");
 }
 
-static void prepare(void) {
-  session_under_force(&saved);
-  memory = saved.memory;
-}
-
 int main(void) {
   TEST(prepare);
   TEST(flooded_or_not);
-  sys_end();
-  fixture_close(&saved);
-  return test_end();
+  return sys_session_end();
 }

@@ -11,7 +11,7 @@
 #include "platform/loop.h"
 #include "rt/base/bytes.h"
 #include "rt/wire/codec.h"
-#include "tests/cross/cases.h"
+#include "tests/determinism/cases.h"
 
 #ifndef FIRMWARE_MEMORY
 #define FIRMWARE_MEMORY 24576
@@ -32,7 +32,7 @@ enum {
 };
 
 static struct {
-  const cross_case *now;
+  const replay_case *now;
   uint32_t tick;
   uint32_t losses;
   uint32_t resets;
@@ -52,34 +52,34 @@ int32_t platform_wait(void) {
   return board.tick % WAIT_EVERY == 0 ? tick_wait() : 0;
 }
 
-static void say(port *p, uint8_t verb) {
+static void send_command(port *p, uint8_t verb) {
   frame f;
   board.command_counter = (uint8_t)((board.command_counter + 1u) & 15u);
   const codec_command command = {board.command_counter, verb, 0};
   codec_encode_command(&f, 0, &command);
   port_push(p, &f);
-  if (verb == FRAY_VERB_RESET) ++board.resets;
+  if (verb == FRAY_COMMAND_RESET) ++board.resets;
 }
 
 #if FIRMWARE_SAVES > 0
 static struct {
   cmac_key key;
-  guard runtime;
-  guard device;
+  auth_gate runtime;
+  auth_gate device;
 } tags;
 
 static void tags_begin(void) {
   static const uint8_t key[CMAC_KEY] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16};
   const uint32_t hands = (1u << FRAY_HANDS) - 1u;
   cmac_key_init(&tags.key, key);
-  guard_init(&tags.runtime, &tags.key, GUARD_CLASSIC, GUARD_RUNTIME, 0, hands);
-  guard_init(&tags.device, &tags.key, GUARD_CLASSIC, GUARD_DEVICE, 0, hands);
+  auth_gate_init(&tags.runtime, &tags.key, AUTH_GATE_CLASSIC, AUTH_GATE_RUNTIME, 0, hands);
+  auth_gate_init(&tags.device, &tags.key, AUTH_GATE_CLASSIC, AUTH_GATE_DEVICE, 0, hands);
   loop_protect(&running, &tags.runtime);
 }
 
 static void say_tag(port *p, const frame *pose) {
   frame tag;
-  if (p->guard != 0 && guard_tag(&tags.device, pose, &tag)) port_push(p, &tag);
+  if (p->gate != 0 && auth_gate_tag(&tags.device, pose, &tag)) port_push(p, &tag);
 }
 #else
 static void tags_begin(void) {}
@@ -119,11 +119,11 @@ platform_result platform_sync(const frame *sync, port *p) {
   }
   const uint32_t tick = board.tick++;
   if (tick == FLOOD_TICK) flood(p);
-  if (tick == RESET_TICK) say(p, FRAY_VERB_RESET);
-  if (tick == START_TICK) say(p, FRAY_VERB_START);
+  if (tick == RESET_TICK) send_command(p, FRAY_COMMAND_RESET);
+  if (tick == START_TICK) send_command(p, FRAY_COMMAND_START);
   if (tick >= board.now->input_count) return PLATFORM_SENT;
   const fray_input *input = &board.now->inputs[tick];
-  if (input->verb != FRAY_VERB_NONE) say(p, input->verb);
+  if (input->command != FRAY_COMMAND_NONE) send_command(p, input->command);
   say_poses(p, input);
   return PLATFORM_SENT;
 }
@@ -141,7 +141,7 @@ static void print_number(const char *label, uint32_t v) {
 static fray_world *open_world(const uint8_t *image, size_t bytes, uint32_t at) {
   fray_world *world = 0;
   size_t needed = 0;
-  if (fray_bytes(image, bytes, &needed, 0) != FRAY_OK || needed > MEMORY) return 0;
+  if (fray_memory_size(image, bytes, &needed, 0) != FRAY_OK || needed > MEMORY) return 0;
   return fray_open(image, bytes, memory[at], MEMORY, &world, 0) == FRAY_OK ? world : 0;
 }
 
@@ -168,7 +168,7 @@ static uint32_t refusals(void) { return 0; }
 static fray_world *save_and_open(fray_world *world) { return world; }
 #endif
 
-static int run_case(const cross_case *c, int under_key) {
+static int run_case(const replay_case *c, int under_key) {
   fray_world *world = open_world(c->image, c->image_bytes, 0);
   if (world == 0) return 0;
   board.now = c;
@@ -182,13 +182,13 @@ static int run_case(const cross_case *c, int under_key) {
   }
   platform_print("case ");
   platform_print(c->name);
-  print_number(" ticks ", running.tick);
+  print_number(" ticks ", (uint32_t)running.tick);
   print_number(" state ", running.output.state);
-  print_number(" cuts ", running.output.cuts_total);
+  print_number(" cuts ", running.output.tears_total);
   print_number(" lost ", running.bus_losses);
   print_number(" resets ", board.resets);
   print_number(" refused ", refusals());
-  if (running.in.guard != 0) print_number(" tags ", running.in.guard->watch[0].good);
+  if (running.in.gate != 0) print_number(" tags ", running.in.gate->monitor[0].good);
   platform_print("\n");
   return 1;
 }
@@ -196,8 +196,8 @@ static int run_case(const cross_case *c, int under_key) {
 int main(void) {
   int good = 1;
   tick_begin(TARGET_CLOCK_HZ, 1000);
-  for (uint32_t n = 0; n < cross_case_count; ++n) good = run_case(&cross_cases[n], 0) && good;
-  if (FIRMWARE_SAVES > 0) good = run_case(&cross_cases[0], 1) && good;
+  for (uint32_t n = 0; n < replay_case_count; ++n) good = run_case(&replay_cases[n], 0) && good;
+  if (FIRMWARE_SAVES > 0) good = run_case(&replay_cases[0], 1) && good;
   print_number("stack ", bare_stack_used());
   platform_print("\n");
   return good ? 0 : 1;

@@ -6,15 +6,13 @@ stack_work=$FRAY_BUILD/stack
 
 firmware_cases() {
   mkdir -p "$stack_work"
-  "$FRAY" hand -o "$stack_work/small.log" tests/cross/small.hand
-  "$FRAY" hand -o "$stack_work/torn.log" tests/cross/torn.hand
-  "$FRAY" scene tests/scenes/small.scene -o "$stack_work/small.img" >/dev/null
-  "$FRAY" scene tests/cross/torn.scene -o "$stack_work/torn.img" >/dev/null
-  "$FRAY" scene tests/cross/bodies.scene -o "$stack_work/bodies.img" >/dev/null
-  "$FRAY" scene tests/cross/frayed.scene -o "$stack_work/frayed.img" >/dev/null
-  suite_make BUILD="$FRAY_BUILD" "$FRAY_BUILD/tests/cross/emit"
+  for name in small torn; do "$FRAY" hand -o "$stack_work/$name.log" "tests/determinism/$name.hand"; done
+  for scene in scenes/small determinism/torn determinism/bodies determinism/frayed; do
+    "$FRAY" scene "tests/$scene.scene" -o "$stack_work/${scene#*/}.img" >/dev/null
+  done
+  suite_make BUILD="$FRAY_BUILD" "$FRAY_BUILD/tests/determinism/emit_cases"
   # the right hand falls silent for 40 ms: STALE, SAFE
-  "$FRAY_BUILD/tests/cross/emit" small "$stack_work/small.img" "$stack_work/small.log" - 800 \
+  "$FRAY_BUILD/tests/determinism/emit_cases" small "$stack_work/small.img" "$stack_work/small.log" - 800 \
     torn "$stack_work/torn.img" "$stack_work/torn.log" 1:680:720 1050 \
     bodies "$stack_work/bodies.img" - - 600 \
     frayed "$stack_work/frayed.img" - - 300 >"$stack_work/cases.c"

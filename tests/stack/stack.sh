@@ -45,10 +45,7 @@ measure() { # NAME OPT
   what=$1-${2#-}
   elf=$stack_work/$1-$2.elf
   result=$elf.bounds
-  if ! packages=$(sh tests/target/target.sh needs "$1"); then
-    not_run "stack of $what" "$packages"
-    return
-  fi
+  has_target "$1" "stack of $what" || return 0
   firmware "$1" "$2" || { fail "$what: the firmware does not build"; return; }
   graph "$elf" "$top main loop_run fray_tick fray_open $handler bare_fault" >"$result" || true
   complaints "$what" "$result"
@@ -74,7 +71,7 @@ measure() { # NAME OPT
   } >>"$measured"
 }
 
-# With triangle sheets, by the call graph alone: the cases have none, so no mark would tell.
+# With membranes, by the call graph alone: the cases have none, so no mark would tell.
 measure_more() { # NAME OPT WHAT MOST
   machine "$1"
   sh tests/target/target.sh needs "$1" >/dev/null || return 0
@@ -145,5 +142,5 @@ if [ -f "$stack_work/m3--O2.elf.bounds" ]; then
   echo "  deepest paths, m3-O2, bytes:"
   for root in fray_tick fray_open loop_run main; do print_path $root "$stack_work/m3--O2.elf.bounds"; done
 fi
-if sh tests/budget.sh stack. "$measured" ${1:+"$1"}; then pass; else fail "budgets of the stack"; fi
+if sh tests/budget/budget.sh stack. "$measured" ${1:+"$1"}; then pass; else fail "budgets of the stack"; fi
 suite_end

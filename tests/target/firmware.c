@@ -10,13 +10,14 @@
 #include "platform/bare/bare.h"
 #include "platform/playback/player.h"
 #include "rt/base/bytes.h"
+#include "rt/image/image.h"
 
 extern const uint8_t image[];
 extern const uint32_t image_bytes;
 extern const player_frame recording[];
 extern const uint32_t recording_count;
 
-enum { HEADER = 96 }; /* of an image: what fray_bytes() reads */
+enum { HEADER = 4 * IMAGE_HEADER_WORDS }; /* what fray_memory_size() reads of an image */
 
 _Alignas(FRAY_ALIGN) static uint8_t memory[FIRMWARE_WORLD];
 static loop the_loop;
@@ -32,7 +33,7 @@ static uint32_t bytes_in_flash(size_t world_bytes) {
   uint8_t *odd = header + (((uintptr_t)header & 1u) == 0);
   size_t copied = 0;
   bytes_copy(odd, image, HEADER);
-  if (fray_bytes(odd, image_bytes, &copied, 0) != FRAY_OK) return 0;
+  if (fray_memory_size(odd, image_bytes, &copied, 0) != FRAY_OK) return 0;
   return (uint32_t)(copied - world_bytes);
 }
 
@@ -67,7 +68,7 @@ static uint32_t second_now(void) { return *(volatile uint32_t *)TARGET_MTIME; }
 
 static int run(fray_world *world, uint32_t world_bytes) {
   loop *l = &the_loop;
-  const uint32_t rate = fray_describe(world).rate_hz;
+  const uint32_t rate = fray_get_info(world).rate_hz;
   const uint32_t turn = TARGET_CLOCK_HZ / rate;
   int all_counted = 1;
   loop_begin(l, world, 0);
@@ -107,10 +108,10 @@ int main(void) {
   size_t bytes = 0;
   fray_world *world = 0;
   fray_error error;
-  if (fray_bytes(image, image_bytes, &bytes, &error) == FRAY_OK &&
+  if (fray_memory_size(image, image_bytes, &bytes, &error) == FRAY_OK &&
       fray_open(image, image_bytes, memory, sizeof memory, &world, &error) == FRAY_OK) {
 #ifdef FIRMWARE_KERNEL
-    if (!fray_use(world, FIRMWARE_KERNEL)) return 2;
+    if (!fray_set_kernel(world, FIRMWARE_KERNEL)) return 2;
 #endif
     return run(world, (uint32_t)bytes);
   }

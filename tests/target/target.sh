@@ -10,8 +10,9 @@
 #                                       memory of the board, and 8 KiB of stack
 #   target.sh firmware NAME OPT OUT ... the same within the budgets of linker/NAME.ld
 #   target.sh run NAME X.elf [QEMU OPTION...]
-#                                       console to stdout, exit status through (124: more than
-#                                       TARGET_SECONDS, 300 unless told)
+#                                       console to stdout, exit status through (152: more than
+#                                       TARGET_SECONDS of the processor's time, 300 unless told; 124: 20 times
+#                                       as long by the clock)
 #   target.sh clock NAME                counts a second of its tick's clock in QEMU
 set -eu
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/../.." && pwd)
@@ -42,7 +43,7 @@ machine() { # NAME
       clock=25000000 ;;
     m33) cortexm "-mcpu=cortex-m33 -mfpu=fpv5-sp-d16 -mfloat-abi=hard" "-M mps2-an505"
       clock=20000000 ;;
-    # gcc 12 gives a constant mask of lanes as all of them (the sum of `apart` in rt/stage/slip.c, whose
+    # gcc 12 gives a constant mask of lanes as all of them (the sum of `apart` in rt/woven/yarn_slip.c, whose
     # last two lanes it does not negate): no vectors of its own
     m55) cortexm "-mcpu=cortex-m55 -mfloat-abi=hard -fno-tree-vectorize" "-M mps3-an547"
       clock=32000000 ram_all=0x80000 code_all=0x20000 ;;
@@ -91,7 +92,8 @@ run() { # X.elf OPTION...
   first=$1
   shift
   # shellcheck disable=SC2086
-  exec timeout "${TARGET_SECONDS:-300}" "$qemu" $first -display none -monitor none "$@" </dev/null
+  ulimit -S -t "${TARGET_SECONDS:-300}"
+  exec timeout $((20 * ${TARGET_SECONDS:-300})) "$qemu" $first -display none -monitor none "$@" </dev/null
 }
 
 [ $# -ge 1 ] || usage

@@ -2,25 +2,26 @@
 # SPDX-License-Identifier: Apache-2.0
 # targets.sh build|test: whole firmwares for every bare-metal machine, within the budgets of linker/;
 # `test` runs them in QEMU too, at a stated instruction rate under its virtual clock, and tries the
-# guards of stack, budgets and recording.
+# guards of stack, budgets and recording. MACHINES="m3 rv32" picks.
 . tests/lib/suite.sh
 
 mode=${1:-test}
 work=$FRAY_BUILD/target
 target="sh tests/target/target.sh"
+machines_all=${MACHINES:-$($target list)}
 mkdir -p "$work"
 
 # name, scene, hand, bytes for the world, machines
 firmwares() {
-  all=$($target list)
-  echo "small tests/scenes/small.scene tests/cross/small.hand 5552 $all"
-  echo "sixteen tests/target/sixteen.scene tests/cross/small.hand 18720 ${all% microbit}"
-  echo "minute tests/target/minute.scene tests/target/minute.hand 5552 m3 rv32"
+  echo "small tests/scenes/small.scene tests/determinism/small.hand 5568 $machines_all"
+  echo "sixteen tests/target/sixteen.scene tests/determinism/small.hand 18736 $(only "m0 m3 m4f m7f m33 m55 r5f rv32")"
+  echo "minute tests/target/minute.scene tests/target/minute.hand 5568 $(only 'm3 rv32')"
 }
+only() { for name in $machines_all; do case " $1 " in *" $name "*) echo "$name" ;; esac; done | tr '\n' ' '; } # of MACHINES
 
 # The timer that counts beside the tick, where there is one; and no sleep, see systick.c.
 extra_of() { # MACHINE
-  printf '%s ' -DFRAY_TRIANGLES=0 # none of these firmwares has a triangle sheet
+  printf '%s ' -DFRAY_TRIANGLES=0 # none of these firmwares has a membrane
   case $1 in
     m0) echo "-DSYSTICK_SPIN -DTARGET_NRF51_TIMER=0x40008000" ;;
     m3 | m4f | m7f) echo "-DSYSTICK_SPIN -DTARGET_CMSDK_TIMER=0x40000000" ;;
@@ -116,6 +117,10 @@ field() { # NAME: the word behind it in $said
   echo "$said" | awk -v name="$1" '{ for (n = 1; n < NF; ++n) if ($n == name) print $(n + 1) }'
 }
 
+# Recording, into nothing: else the thread that runs an emulated timer can be kept from it by the host, after it has
+# taken the timer off its list, and the core runs past it: a tick then comes late by the emulated clock.
+exact=sleep=off,rr=record,rrfile=/dev/null
+
 # NAME MACHINE SHIFT in-time|late|-: an instruction takes 2^SHIFT ns; SHIFT host: the host's time
 run() {
   code=0
@@ -124,7 +129,7 @@ run() {
     said=$($target run "$2" "$work/$1-$2.elf" 2>&1) || code=$?
   else
     mips=$((1000 >> $3))
-    said=$($target run "$2" "$work/$1-$2.elf" -icount "shift=$3,sleep=off" 2>&1) || code=$?
+    said=$($target run "$2" "$work/$1-$2.elf" -icount "shift=$3,$exact" 2>&1) || code=$?
   fi
   overruns=$(field overruns)
   verdict=good
@@ -145,7 +150,7 @@ run_all() {
   echo
   printf '  %-9s %-9s %5s %7s %9s %6s %8s %8s %12s\n' firmware machine MIPS ticks overruns owed \
     "worst us" "in flash" stack
-  for machine in $($target list); do
+  for machine in $machines_all; do
     if ! $target needs "$machine" >/dev/null; then
       not_run "firmware on $machine" "$($target needs "$machine")"
       continue
@@ -158,14 +163,14 @@ run_all() {
     run small "$machine" 4 late
     run sixteen "$machine" 0 -
   done
-  for machine in m3 rv32; do
+  for machine in $(only 'm3 rv32'); do
     ! $target needs "$machine" >/dev/null || run minute "$machine" 2 in-time
   done
 }
 
 check_guards() {
   echo
-  for machine in $($target list); do
+  for machine in $machines_all; do
     $target needs "$machine" >/dev/null || continue
     for opt in -O0 -O1; do
       code=0
@@ -182,7 +187,7 @@ check_guards() {
 
 # A Cortex-M locks up in a fault of its fault handler, and only a watchdog helps it.
 check_console() {
-  for machine in r5f rv32; do
+  for machine in $(only 'r5f rv32'); do
     $target needs "$machine" >/dev/null || continue
     code=0
     $target firmware "$machine" -O2 "$work/console.elf" tests/target/console_faults.c -Wl,--wrap=platform_print
@@ -218,9 +223,9 @@ check_budgets() {
 check_recording() {
   "$FRAY_BUILD/tests/cli/alter" pose "$work/small.rec" 400 1 1 >"$work/altered.rec"
   "$FRAY_BUILD/tests/target/tape" "$work/altered.rec" >"$work/altered.tape.c"
-  build altered m3 5552 "$work/small.image.c" "$work/altered.tape.c"
+  build altered m3 5568 "$work/small.image.c" "$work/altered.tape.c"
   code=0
-  said=$($target run m3 "$work/altered-m3.elf" -icount shift=0,sleep=off) || code=$?
+  said=$($target run m3 "$work/altered-m3.elf" -icount "shift=0,$exact") || code=$?
   case "$code $(field first)" in
     "1 40"[0-2]) pass ;;
     *) fail "a pose of tick 400 changed: exit $code, $said" ;;
@@ -255,7 +260,7 @@ if [ "$mode" = test ]; then
   run_all
   check_guards
   check_console
-  if $target needs m3 >/dev/null; then
+  if [ -n "$(only m3)" ] && $target needs m3 >/dev/null; then
     check_budgets
     check_recording
     check_blank

@@ -4,20 +4,15 @@
 #include "rt/wire/auth.h"
 
 #include "rt/wire/codec.h"
+#include "tests/lib/rfc4493_key.h"
+#include "tests/lib/splitmix64.h"
 #include "tests/lib/test.h"
 
-static const uint8_t KEY_BYTES[16] = {0x2b, 0x7e, 0x15, 0x16, 0x28, 0xae, 0xd2, 0xa6,
-                                      0xab, 0xf7, 0x15, 0x88, 0x09, 0xcf, 0x4f, 0x3c};
 static cmac_key key, other_key;
 static uint64_t random_state = 1;
 
-/* xorshift64*, for choices of the tests. */
-static uint32_t random_below(uint32_t n) {
-  random_state ^= random_state >> 12;
-  random_state ^= (random_state & UINT64_C(0x7FFFFFFFFF)) << 25;
-  random_state ^= random_state >> 27;
-  return (uint32_t)((random_state >> 20 & 0xFFFFFFFFu) * n >> 32);
-}
+/* For choices of the tests. */
+static uint32_t random_below(uint32_t n) { return (uint32_t)(splitmix64(&random_state) % n); }
 
 static void check_frame(const frame *f, uint32_t id, const char *data) {
   char text[41] = "";
@@ -39,7 +34,7 @@ static frame pose_frame(uint32_t instance, uint32_t hand, uint32_t counter, int 
 static void sealed_frames(void) {
   auth_lane lane;
   frame f;
-  const codec_command command = {1, FRAY_VERB_START, 0};
+  const codec_command command = {1, FRAY_COMMAND_START, 0};
   auth_lane_init(&lane, &key, MESSAGE_COMMAND, 0, 0);
   codec_encode_command(&f, 0, &command);
   CHECK_EQ_INT(auth_seal(&lane, &f), AUTH_OK);
@@ -155,9 +150,9 @@ static void freshness_gaps_and_order(void) {
 static void two_lanes_of_commands(void) {
   auth_lane operators, own, listens;
   frame f, out;
-  const codec_command command = {1, FRAY_VERB_STOP, 0};
-  auth_lane_init(&operators, &key, MESSAGE_COMMAND, 0, AUTH_OWN - 2);
-  auth_lane_init(&own, &key, MESSAGE_COMMAND, 0, AUTH_OWN);
+  const codec_command command = {1, FRAY_COMMAND_STOP, 0};
+  auth_lane_init(&operators, &key, MESSAGE_COMMAND, 0, AUTH_RUNTIME_FIRST - 2);
+  auth_lane_init(&own, &key, MESSAGE_COMMAND, 0, AUTH_RUNTIME_FIRST);
   auth_lane_init(&listens, &key, MESSAGE_COMMAND, 0, 0);
   codec_encode_command(&f, 0, &command);
   CHECK_EQ_INT(auth_seal(&own, &f), AUTH_OK);
@@ -294,11 +289,11 @@ static void a_million_forged_and_replayed_frames(void) {
 /* Classic */
 
 static auth_group sender;
-static auth_watch watch;
+static auth_monitor watch;
 
 static void begin(uint32_t instance, uint32_t hand, uint32_t last) {
   auth_group_init(&sender, &key, instance, hand, last);
-  auth_watch_init(&watch, &key, instance, hand, last);
+  auth_monitor_init(&watch, &key, instance, hand, last);
 }
 
 /* Four poses and their TAG, as they are sent. */
@@ -310,8 +305,8 @@ static void make_group(uint32_t instance, uint32_t hand, uint32_t first, frame o
 }
 
 static auth_verdict take_group(const frame *frames, int count) {
-  auth_verdict last = AUTH_WATCH_OTHER;
-  for (int n = 0; n < count; ++n) last = auth_watch_take(&watch, &frames[n]);
+  auth_verdict last = AUTH_MONITOR_OTHER;
+  for (int n = 0; n < count; ++n) last = auth_monitor_check(&watch, &frames[n]);
   return last;
 }
 
@@ -330,7 +325,7 @@ static void tag_frames(void) {
     check_frame(&f[3], 0x132, "4C04040000000000");
     check_frame(&f[4], 0x332, VECTORS[n].data);
     CHECK_EQ_INT(f[4].fd, 0);
-    CHECK_EQ_INT(take_group(f, 5), AUTH_WATCH_GOOD);
+    CHECK_EQ_INT(take_group(f, 5), AUTH_MONITOR_GOOD);
     CHECK_EQ_INT(watch.group.last, VECTORS[n].freshness);
     CHECK_EQ_INT(watch.poses, 4);
   }
@@ -341,8 +336,8 @@ static void a_long_good_run(void) {
   for (uint32_t n = 0; n < 100000; ++n) {
     frame f[5];
     make_group(0, 0, 4 * n + 1, f);
-    CHECK_EQ_INT(take_group(f, 4), AUTH_WATCH_POSE);
-    CHECK_EQ_INT(auth_watch_take(&watch, &f[4]), AUTH_WATCH_GOOD);
+    CHECK_EQ_INT(take_group(f, 4), AUTH_MONITOR_POSE);
+    CHECK_EQ_INT(auth_monitor_check(&watch, &f[4]), AUTH_MONITOR_GOOD);
   }
   CHECK_EQ_INT(watch.group.last, 0xFFF0 + 100000);
   CHECK_EQ_INT(watch.bad + watch.missing, 0);
@@ -352,18 +347,18 @@ static void frames_of_others_do_not_count(void) {
   frame f[5], g = {0};
   begin(0, 0, 0);
   make_group(0, 0, 1, f);
-  CHECK_EQ_INT(take_group(f, 2), AUTH_WATCH_POSE);
+  CHECK_EQ_INT(take_group(f, 2), AUTH_MONITOR_POSE);
   g = pose_frame(0, 1, 1, 0);
-  CHECK_EQ_INT(auth_watch_take(&watch, &g), AUTH_WATCH_OTHER);
+  CHECK_EQ_INT(auth_monitor_check(&watch, &g), AUTH_MONITOR_OTHER);
   g = pose_frame(1, 0, 1, 0);
-  CHECK_EQ_INT(auth_watch_take(&watch, &g), AUTH_WATCH_OTHER);
+  CHECK_EQ_INT(auth_monitor_check(&watch, &g), AUTH_MONITOR_OTHER);
   g = f[2];
   g.rtr = 1;
-  CHECK_EQ_INT(auth_watch_take(&watch, &g), AUTH_WATCH_OTHER);
+  CHECK_EQ_INT(auth_monitor_check(&watch, &g), AUTH_MONITOR_OTHER);
   g = f[4];
   g.extended = 1;
-  CHECK_EQ_INT(auth_watch_take(&watch, &g), AUTH_WATCH_OTHER);
-  CHECK_EQ_INT(take_group(f + 2, 3), AUTH_WATCH_GOOD);
+  CHECK_EQ_INT(auth_monitor_check(&watch, &g), AUTH_MONITOR_OTHER);
+  CHECK_EQ_INT(take_group(f + 2, 3), AUTH_MONITOR_GOOD);
 }
 
 static void three_bad_tags_fail_the_lane(void) {
@@ -372,23 +367,23 @@ static void three_bad_tags_fail_the_lane(void) {
   for (uint32_t n = 0; n < 3; ++n) {
     make_group(0, 0, 4 * n + 1, f);
     f[4].data[2] ^= 1;
-    CHECK_EQ_INT(take_group(f, 4), AUTH_WATCH_POSE);
-    CHECK_EQ_INT(auth_watch_take(&watch, &f[4]), n < 2 ? AUTH_WATCH_BAD : AUTH_WATCH_FAILED);
+    CHECK_EQ_INT(take_group(f, 4), AUTH_MONITOR_POSE);
+    CHECK_EQ_INT(auth_monitor_check(&watch, &f[4]), n < 2 ? AUTH_MONITOR_BAD : AUTH_MONITOR_FAILED);
   }
   make_group(0, 0, 13, f);
-  CHECK_EQ_INT(take_group(f, 1), AUTH_WATCH_FAILED);
-  CHECK_EQ_INT(take_group(f, 5), AUTH_WATCH_FAILED);
+  CHECK_EQ_INT(take_group(f, 1), AUTH_MONITOR_FAILED);
+  CHECK_EQ_INT(take_group(f, 5), AUTH_MONITOR_FAILED);
   CHECK_EQ_INT(watch.poses, 12);
-  auth_watch_clear(&watch);
+  auth_monitor_clear(&watch);
   make_group(0, 0, 17, f);
-  CHECK_EQ_INT(take_group(f, 5), AUTH_WATCH_GOOD);
+  CHECK_EQ_INT(take_group(f, 5), AUTH_MONITOR_GOOD);
 }
 
 static void three_missing_tags_fail_the_lane(void) {
   begin(0, 0, 0);
   for (uint32_t n = 1; n <= 13; ++n) {
     const frame f = pose_frame(0, 0, n, 0);
-    CHECK_EQ_INT(auth_watch_take(&watch, &f), n < 13 ? AUTH_WATCH_POSE : AUTH_WATCH_FAILED);
+    CHECK_EQ_INT(auth_monitor_check(&watch, &f), n < 13 ? AUTH_MONITOR_POSE : AUTH_MONITOR_FAILED);
   }
   CHECK_EQ_INT(watch.missing, 3);
   CHECK_EQ_INT(watch.poses, 12);
@@ -401,7 +396,7 @@ static void a_lost_frame_does_not_fail_the_lane(void) {
       frame f[5];
       make_group(0, 0, 4 * n + 1, f);
       for (uint32_t at = 0; at < 5; ++at) {
-        if (n != 50 || at != lost) auth_watch_take(&watch, &f[at]);
+        if (n != 50 || at != lost) auth_monitor_check(&watch, &f[at]);
       }
     }
     CHECK_EQ_INT(watch.failed, 0);
@@ -438,15 +433,15 @@ static void freshness_of_tags(void) {
     begin(0, 0, 0x12345);
     sender.last = 0x12345 + ahead - 1;
     make_group(0, 0, 1, f);
-    CHECK_EQ_INT(take_group(f, 5), ahead <= 65536 ? AUTH_WATCH_GOOD : AUTH_WATCH_BAD);
+    CHECK_EQ_INT(take_group(f, 5), ahead <= 65536 ? AUTH_MONITOR_GOOD : AUTH_MONITOR_BAD);
   }
   /* replayed at once, and after the 16 bits have come round */
   begin(0, 0, 0);
   make_group(0, 0, 1, f);
-  CHECK_EQ_INT(take_group(f, 5), AUTH_WATCH_GOOD);
-  CHECK_EQ_INT(take_group(f, 5), AUTH_WATCH_BAD);
+  CHECK_EQ_INT(take_group(f, 5), AUTH_MONITOR_GOOD);
+  CHECK_EQ_INT(take_group(f, 5), AUTH_MONITOR_BAD);
   watch.group.last = 0x10000;
-  CHECK_EQ_INT(take_group(f, 5), AUTH_WATCH_BAD);
+  CHECK_EQ_INT(take_group(f, 5), AUTH_MONITOR_BAD);
   /* a sender that forgot fails */
   begin(0, 0, 0);
   watch.group.last = 500;
@@ -461,9 +456,9 @@ static void a_spent_lane_fails(void) {
   frame f[5];
   begin(0, 0, UINT32_MAX - 1);
   make_group(0, 0, 1, f);
-  CHECK_EQ_INT(take_group(f, 5), AUTH_WATCH_GOOD);
+  CHECK_EQ_INT(take_group(f, 5), AUTH_MONITOR_GOOD);
   CHECK_EQ_INT(watch.group.last, UINT32_MAX);
-  CHECK_EQ_INT(take_group(f, 5), AUTH_WATCH_BAD);
+  CHECK_EQ_INT(take_group(f, 5), AUTH_MONITOR_BAD);
   for (uint32_t n = 0; n < 4; ++n) {
     f[n] = pose_frame(0, 0, n, 0);
     CHECK_EQ_INT(auth_group_add(&sender, &f[n], &f[4]), 0);
@@ -476,12 +471,12 @@ static void a_tag_without_its_poses(void) {
   frame f[5];
   begin(0, 0, 0);
   make_group(0, 0, 1, f);
-  CHECK_EQ_INT(take_group(f, 5), AUTH_WATCH_GOOD);
+  CHECK_EQ_INT(take_group(f, 5), AUTH_MONITOR_GOOD);
   make_group(0, 0, 1, f);
-  CHECK_EQ_INT(take_group(f + 4, 1), AUTH_WATCH_BAD);
+  CHECK_EQ_INT(take_group(f + 4, 1), AUTH_MONITOR_BAD);
   make_group(0, 0, 1, f);
-  CHECK_EQ_INT(take_group(f, 3), AUTH_WATCH_POSE);
-  CHECK_EQ_INT(take_group(f + 4, 1), AUTH_WATCH_BAD);
+  CHECK_EQ_INT(take_group(f, 3), AUTH_MONITOR_POSE);
+  CHECK_EQ_INT(take_group(f + 4, 1), AUTH_MONITOR_BAD);
 }
 
 /* What a forger does to a group; all of them must give a bad TAG. */
@@ -504,15 +499,15 @@ static void a_million_frames_of_forged_groups(void) {
   int accepted = 0, genuine = 0;
   begin(0, 0, 0);
   make_group(0, 0, 1, before);
-  CHECK_EQ_INT(take_group(before, 5), AUTH_WATCH_GOOD);
+  CHECK_EQ_INT(take_group(before, 5), AUTH_MONITOR_GOOD);
   for (uint32_t n = 1; n < GROUPS; ++n) {
     frame f[5], forged[5];
     make_group(0, 0, 4 * n + 1, f);
     memcpy(forged, f, sizeof forged);
     spoil(n % 8, forged, before);
-    accepted += take_group(forged, 5) == AUTH_WATCH_GOOD;
-    auth_watch_clear(&watch);
-    genuine += take_group(f, 5) == AUTH_WATCH_GOOD;
+    accepted += take_group(forged, 5) == AUTH_MONITOR_GOOD;
+    auth_monitor_clear(&watch);
+    genuine += take_group(f, 5) == AUTH_MONITOR_GOOD;
     memcpy(before, f, sizeof before);
   }
   CHECK_EQ_INT(accepted, 0);
@@ -528,18 +523,18 @@ static void tags_of_other_lanes(void) {
   static const uint32_t OTHERS[3][2] = {{0, 1}, {1, 0}, {0, 0}};
   for (int n = 0; n < 3; ++n) {
     frame f[5];
-    auth_watch_init(&watch, &key, 0, 0, 0);
+    auth_monitor_init(&watch, &key, 0, 0, 0);
     auth_group_init(&sender, n == 2 ? &other_key : &key, OTHERS[n][0], OTHERS[n][1], 0);
     make_group(OTHERS[n][0], OTHERS[n][1], 1, f);
     for (int at = 0; at < 4; ++at) f[at].id = watch.group.pose_id;
     f[4].id = watch.group.tag_id;
-    CHECK_EQ_INT(take_group(f, 5), AUTH_WATCH_BAD);
+    CHECK_EQ_INT(take_group(f, 5), AUTH_MONITOR_BAD);
   }
 }
 
 int main(void) {
   static const uint8_t OTHER[16] = {1};
-  cmac_key_init(&key, KEY_BYTES);
+  cmac_key_init(&key, RFC4493_KEY);
   cmac_key_init(&other_key, OTHER);
   TEST(sealed_frames);
   TEST(every_protected_message_goes_through);

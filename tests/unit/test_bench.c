@@ -3,7 +3,7 @@
 #include "tests/lib/test.h"
 #include "tests/lib/world_fixture.h"
 
-#include "tools/bench/growth.h"
+#include "tools/bench/scaling.h"
 #include "tools/bench/json.h"
 #include "tools/bench/projections.h"
 
@@ -56,29 +56,29 @@ static void a_line_goes_through_points(void) {
 
 static void rounds_give_least_and_median(void) {
   double values[5] = {9, 2, 4, 100, 3};
-  const spread s = spread_of(values, 5);
-  CHECK(near(s.least, 2) && near(s.median, 4));
+  const min_median s = min_median_of(values, 5);
+  CHECK(near(s.min, 2) && near(s.median, 4));
 }
 
 /* What is kept are batches in long runs, and nothing else is projected. */
 static void only_runs_are_kept(void) {
-  struct opened o;
+  struct world_file o;
   kernels k;
   projection_times t;
-  CHECK_EQ_INT(world_open_file("tests/scenes/hanging.scene", &o, stderr), 0);
+  CHECK_EQ_INT(world_file_open("tests/scenes/hanging.scene", &o, stderr), 0);
   CHECK(kernels_find(&k, o.world, "scalar"));
   CHECK_EQ_INT(k.count, 1);
   const uint32_t rows = projections_keep_runs(&o);
   CHECK(rows > 1000);
   uint32_t found = 0;
   for (int32_t n = 0; n < o.world->params->link_batches; ++n) {
-    const row_batch *b = &o.world->batches[n];
-    int32_t runs = b->held == BATCH_IDLE ? 0 : 1;
+    const spring_batch *b = &o.world->woven.batches[n];
+    int32_t runs = b->attached == BATCH_INACTIVE ? 0 : 1;
     for (int32_t row = b->first + 1; row < b->first + b->count; ++row)
-      if (o.world->row_i[row] != o.world->row_i[row - 1] + 1u ||
-          o.world->row_j[row] != o.world->row_j[row - 1] + 1u)
+      if (o.world->woven.spring_i[row] != o.world->woven.spring_i[row - 1] + 1u ||
+          o.world->woven.spring_j[row] != o.world->woven.spring_j[row - 1] + 1u)
         ++runs;
-    if (b->held == BATCH_IDLE) continue;
+    if (b->attached == BATCH_INACTIVE) continue;
     CHECK(b->count >= RUN_MEAN * runs);
     found += (uint32_t)b->count;
   }
@@ -86,7 +86,7 @@ static void only_runs_are_kept(void) {
   CHECK(projections_time(o.world, &k, &t));
   CHECK_EQ_INT(t.rows, rows);
   CHECK_EQ_INT(o.world->work.projections % rows, 0);
-  world_close(&o);
+  world_file_close(&o);
 }
 
 int main(void) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* An end of the bus whose freshness cannot be stored for a while: it stops, and says so. */
 #define _DEFAULT_SOURCE
-#include "tools/bus_key.h"
+#include "tools/bus/bus_key.h"
 
 #include <stdlib.h>
 #include <sys/stat.h>
@@ -19,13 +19,13 @@ static void seal_poses(uint32_t times) {
   for (uint32_t n = 0; n < times; ++n) {
     frame f;
     codec_encode_pose(&f, 0, 0, &(fray_pose){0, 0, 0, (uint8_t)(n & 15u), 0});
-    CHECK(guard_seal(&k.g, &f));
+    CHECK(auth_gate_seal(&k.g, &f));
   }
 }
 
 static void a_store_that_comes_back(void) {
   const bus_key_options o = {key_file, lanes, 0};
-  CHECK(bus_key_open(&k, &o, GUARD_DEVICE, 0, 0));
+  CHECK(bus_key_open(&k, &o, AUTH_GATE_DEVICE, 0, 0));
   CHECK(bus_key_tick(&k));
   CHECK(mkdir(fresh, 0700) == 0); /* where the new file would be */
   seal_poses(6000);
@@ -39,7 +39,7 @@ static void a_store_that_comes_back(void) {
   CHECK(!bus_key_close(&k));
   static const cmac_key NONE;
   CHECK(memcmp(&k.key, &NONE, sizeof NONE) == 0);
-  CHECK(bus_key_open(&k, &o, GUARD_DEVICE, 0, 0));
+  CHECK(bus_key_open(&k, &o, AUTH_GATE_DEVICE, 0, 0));
   CHECK_EQ_INT(k.g.out[1].last, 6000);
   CHECK(bus_key_close(&k));
 }

@@ -48,7 +48,64 @@ static void other_frames(void) {
 static void lines_without_frames(void) {
   CHECK_EQ_INT(parse(""), 0);
   CHECK_EQ_INT(parse("# a comment"), 0);
-  CHECK_EQ_INT(parse(" (1.000000) vcan0 123#"), 0);
+  CHECK_EQ_INT(parse("  "), 0);
+  CHECK_EQ_INT(parse("DROPCOUNT: dropped 3 CAN frames on 'vcan0' socket (total drops 3)"), 0);
+}
+
+/* One frame in the forms of several tools, and what candump_format() makes of it. */
+static void reads_as(const char *text, const char *strict) {
+  char written[CANDUMP_TEXT];
+  const int found = parse(text);
+  CHECK_EQ_INT(found, 1);
+  if (found != 1) {
+    printf("%s: column %d: %s\n", text, error.column, error.message);
+    return;
+  }
+  written[candump_format(written, "can0", entry.time_us, &entry.frame) - 1] = 0;
+  CHECK_TEXT(written, strict);
+}
+
+/* python-can 4.1 and asc2log of can-utils 2020.11 */
+static void directions(void) {
+  static const char *const MARKS[] = {"", " R", " T"};
+  static const char *const FRAMES[] = {"123#0a0B", "1E5F0A01#", "123#R", "123#R4", "123##1AABB",
+                                       "20000080#0000000000000000"};
+  static const char *const STRICT[] = {"123#0A0B", "1E5F0A01#", "123#R", "123#R4", "123##5AABB",
+                                       "20000080#0000000000000000"};
+  char text[128], strict[128];
+  for (int n = 0; n < 6 * 3; ++n) {
+    snprintf(text, sizeof text, "(1000000000.000001) can0 %s%s", FRAMES[n / 3], MARKS[n % 3]);
+    snprintf(strict, sizeof strict, "(1000000000.000001) can0 %s", STRICT[n / 3]);
+    reads_as(text, strict);
+  }
+}
+
+/* candump without -L; log2long */
+static void columns(void) {
+  static const char *const FRAMES[][2] = {
+      {"  vcan0  123   [8]  11 22 33 44 55 66 77 aA", "123#11223344556677AA"},
+      {"  vcan0  123   [0] ", "123#"},
+      {"  vcan0  1E5F0a01   [1]  02", "1E5F0A01#02"},
+      {"  vcan0  123   [4]  remote request", "123#R4"},
+      {"  vcan0       123   [0]  remote request", "123#R"},
+      {"  vcan0  123  [02]  AA BB", "123##4AABB"},
+      {"  vcan0  RX B -  123  [02]  AA BB", "123##5AABB"},
+      {"  vcan0  TX B E  123  [12]  00 01 02 03 04 05 06 07 08 09 0A 0B", "123##7000102030405060708090A0B"},
+      {"  vcan0  RX - -  123   [1]  AA", "123#AA"},
+      {"  vcan0  20000080   [8]  00 00 00 00 00 00 00 00   ERRORFRAME", "20000080#0000000000000000"},
+      {"  vcan0  123   [3]  41 27 5D                  'A']'", "123#41275D"},
+      {"  vcan0  7FF   [0]                            ''", "7FF#"}};
+  char text[160], strict[128];
+  for (size_t n = 0; n < sizeof FRAMES / sizeof *FRAMES; ++n) {
+    snprintf(strict, sizeof strict, "(0000000000.000000) can0 %s", FRAMES[n][1]);
+    reads_as(FRAMES[n][0], strict);
+    CHECK(entry.time_us == CANDUMP_NO_TIME);
+    snprintf(text, sizeof text, " (1436509052.249713)%s", FRAMES[n][0]);
+    snprintf(strict, sizeof strict, "(1436509052.249713) can0 %s", FRAMES[n][1]);
+    reads_as(text, strict);
+    reads_as(text + 1, strict);
+  }
+  reads_as(" (000.001000)  vcan0  123   [1]  00", "(0000000000.001000) can0 123#00");
 }
 
 static void refused(const char *text, int column, const char *message) {
@@ -66,8 +123,9 @@ static void refused_times(void) {
   refused("(1.00000) v 123#", 9, "found ')', expected 6 digits of microseconds");
   refused("(1.0000000) v 123#", 10, "found '0', expected ')' after 6 digits of microseconds");
   refused("(1234567890123.000000) v 1#", 14, "found '3', expected '.' after the seconds");
-  refused("(1.000000)v 123#", 11, "found 'v', expected one space after the time");
-  refused("(1.000000)  v 123#", 12, "found a space, expected the name of an interface");
+  refused("(1.000000)v 123#", 11, "found 'v', expected a space after the time");
+  refused("(1.000000) ", 12, "found the end of the line, expected the name of an interface");
+  refused(" (2026-01-01 10:00:00.000000)  v  123   [0] ", 7, "found '-', expected '.' after the seconds");
 }
 
 static void refused_ids(void) {
@@ -86,7 +144,10 @@ static void refused_data(void) {
   refused("(1.000000) v 123#001", 21,
           "found the end of the line, expected a second hex digit of this byte");
   refused("(1.000000) v 123#00G0", 20, "found 'G', expected a hex digit or the end of the line");
-  refused("(1.000000) v 123#00 ", 20, "found a space, expected a hex digit or the end of the line");
+  refused("(1.000000) v 123#00 ", 21,
+          "found the end of the line, expected 'R' or 'T' (received, sent) after the space");
+  refused("(1.000000) v 123#00 X", 21, "found 'X', expected 'R' or 'T' (received, sent) after the space");
+  refused("(1.000000) v 123#00 RT", 22, "found 'T', expected the end of the line after the direction");
   refused("(1.000000) v 123#000102030405060708", 34,
           "found '0', expected the end of the line after 8 bytes");
   refused("(1.000000) v 123#R9", 19,
@@ -98,6 +159,25 @@ static void refused_data(void) {
   refused("(1.000000) v 123##8", 19, "found '8', expected flags of 0 to 7 (1 BRS, 2 ESI, 4 FD)");
   refused("(1.000000) v 123##4000102030405060708", 38,
           "found the end of the line, expected 0 to 8, 12, 16, 20, 24, 32, 48 or 64 bytes");
+}
+
+static void refused_columns(void) {
+  refused("  v", 4, "found the end of the line, expected a space after the interface's name (15 characters at most)");
+  refused("  # indented", 5, "found 'i', expected an id of 3 or 8 hex digits");
+  refused("  v  12   [0]", 8, "found a space, expected an id of 3 or 8 hex digits");
+  refused("  v  123   8", 12, "found '8', expected '[' and the number of bytes");
+  refused("  v  123   []", 13, "found ']', expected the number of bytes after '['");
+  refused("  v  123   [9]  00", 14, "found ']', expected 0 to 8 bytes");
+  refused("  v  123  [09]  00", 14, "found ']', expected 0 to 8, 12, 16, 20, 24, 32, 48 or 64 bytes");
+  refused("  v  123   [2)", 14, "found ')', expected ']' after the number of bytes");
+  refused("  v  123   [2]", 15, "found the end of the line, expected a space before the data");
+  refused("  v  123   [2]  11", 19, "found the end of the line, expected a space between two bytes");
+  refused("  v  123   [2]  11 2", 21, "found the end of the line, expected a second hex digit of this byte");
+  refused("  v  123   [2]  11 22 33", 23, "found '3', expected the end of the line after as many bytes as the length says");
+  refused("  v  123   [2]  22`11", 19, "found '`', expected a space between two bytes");
+  refused("  v  RX B  123  [02]  11 22", 9, "found 'B', expected '- -', 'B -', '- E' or 'B E' after the direction");
+  refused("  v  RX - -  123#", 17, "found '#', expected a space after the id");
+  refused("  v  20000004  [08]  00", 19, "found ']', expected one digit of length: an error frame is a classic frame");
 }
 
 static void refused_lines(void) {
@@ -173,9 +253,12 @@ int main(void) {
   TEST(classic_frames);
   TEST(other_frames);
   TEST(lines_without_frames);
+  TEST(directions);
+  TEST(columns);
   TEST(refused_times);
   TEST(refused_ids);
   TEST(refused_data);
+  TEST(refused_columns);
   TEST(refused_lines);
   TEST(whole_logs);
   TEST(many_lines);

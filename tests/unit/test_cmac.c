@@ -3,11 +3,10 @@
  * copied from the documents. */
 #include "rt/wire/cmac.h"
 
+#include "tests/lib/rfc4493_key.h"
 #include "tests/lib/test.h"
 
 /* The key of RFC 4493, SP 800-38A and FIPS-197 A.1 and B. */
-static const uint8_t KEY[16] = {0x2b, 0x7e, 0x15, 0x16, 0x28, 0xae, 0xd2, 0xa6,
-                                0xab, 0xf7, 0x15, 0x88, 0x09, 0xcf, 0x4f, 0x3c};
 static const uint8_t TEXT[64] = {
     0x6b, 0xc1, 0xbe, 0xe2, 0x2e, 0x40, 0x9f, 0x96, 0xe9, 0x3d, 0x7e, 0x11, 0x73, 0x93, 0x17, 0x2a,
     0xae, 0x2d, 0x8a, 0x57, 0x1e, 0x03, 0xac, 0x9c, 0x9e, 0xb7, 0x6f, 0xac, 0x45, 0xaf, 0x8e, 0x51,
@@ -40,20 +39,20 @@ static void fips_197_c1(void) {
 static void fips_197_b(void) {
   static const uint8_t IN[16] = {0x32, 0x43, 0xf6, 0xa8, 0x88, 0x5a, 0x30, 0x8d,
                                  0x31, 0x31, 0x98, 0xa2, 0xe0, 0x37, 0x07, 0x34};
-  check_block(KEY, IN, "3925841d02dc09fbdc118597196a0b32");
+  check_block(RFC4493_KEY, IN, "3925841d02dc09fbdc118597196a0b32");
 }
 
 static void sp_800_38a_f11(void) {
-  check_block(KEY, TEXT, "3ad77bb40d7a3660a89ecaf32466ef97");
-  check_block(KEY, TEXT + 16, "f5d3d58503b9699de785895a96fdbaaf");
-  check_block(KEY, TEXT + 32, "43b1cd7f598ece23881b00e3ed030688");
-  check_block(KEY, TEXT + 48, "7b0c785e27e8ad3f8223207104725dd4");
+  check_block(RFC4493_KEY, TEXT, "3ad77bb40d7a3660a89ecaf32466ef97");
+  check_block(RFC4493_KEY, TEXT + 16, "f5d3d58503b9699de785895a96fdbaaf");
+  check_block(RFC4493_KEY, TEXT + 32, "43b1cd7f598ece23881b00e3ed030688");
+  check_block(RFC4493_KEY, TEXT + 48, "7b0c785e27e8ad3f8223207104725dd4");
 }
 
 static void a_block_in_place(void) {
   cmac_key key;
   uint8_t block[16];
-  cmac_key_init(&key, KEY);
+  cmac_key_init(&key, RFC4493_KEY);
   memcpy(block, TEXT, sizeof block);
   cmac_encrypt(&key, block, block);
   check_hex(block, "3ad77bb40d7a3660a89ecaf32466ef97");
@@ -63,7 +62,7 @@ static void a_block_in_place(void) {
 static void key_schedule(void) {
   cmac_key key;
   uint8_t bytes[16];
-  cmac_key_init(&key, KEY);
+  cmac_key_init(&key, RFC4493_KEY);
   for (unsigned n = 0; n < 16; ++n) {
     bytes[n] = 0;
     for (unsigned b = 0; b < 8; ++b) {
@@ -75,7 +74,7 @@ static void key_schedule(void) {
 
 static void subkeys_of_rfc_4493(void) {
   cmac_key key;
-  cmac_key_init(&key, KEY);
+  cmac_key_init(&key, RFC4493_KEY);
   check_hex(key.whole, "fbeed618357133667c85e08f7236a8de");
   check_hex(key.part, "f7ddac306ae266ccf90bc11ee46d513b");
 }
@@ -89,7 +88,7 @@ static void tags_of_rfc_4493(void) {
                   {40, "dfa66747de9ae63030ca32611497c827"},
                   {64, "51f0bebf7e3b9d92fc49741779363cfe"}};
   cmac_key key;
-  cmac_key_init(&key, KEY);
+  cmac_key_init(&key, RFC4493_KEY);
   for (int n = 0; n < 4; ++n) {
     uint8_t tag[16];
     cmac_tag(&key, VECTORS[n].bytes == 0 ? NULL : TEXT, VECTORS[n].bytes, tag);
@@ -181,7 +180,7 @@ static void every_length_has_its_tag(void) {
   static uint8_t tags[LENGTHS][16];
   uint8_t zeros[LENGTHS] = {0};
   cmac_key key;
-  cmac_key_init(&key, KEY);
+  cmac_key_init(&key, RFC4493_KEY);
   for (uint32_t n = 0; n < LENGTHS; ++n) {
     cmac_tag(&key, zeros, n, tags[n]);
     for (uint32_t m = 0; m < n; ++m) CHECK(cmac_differs(tags[n], tags[m], 16) != 0);
@@ -196,8 +195,8 @@ static void every_length_has_its_tag(void) {
 
 static void differences_are_seen_in_every_bit(void) {
   uint8_t a[16], b[16];
-  memcpy(a, KEY, sizeof a);
-  memcpy(b, KEY, sizeof b);
+  memcpy(a, RFC4493_KEY, sizeof a);
+  memcpy(b, RFC4493_KEY, sizeof b);
   CHECK_EQ_INT(cmac_differs(a, b, 16), 0);
   for (int bit = 0; bit < 128; ++bit) {
     b[bit / 8] ^= (uint8_t)(1 << bit % 8);

@@ -83,27 +83,27 @@ static void force_frames(void) {
 static void command_frames(void) {
   frame f;
   codec_command out;
-  const codec_command start = {1, FRAY_VERB_START, 0};
+  const codec_command start = {1, FRAY_COMMAND_START, 0};
   codec_encode_command(&f, 0, &start);
   check_frame(&f, 0x010, "EC01010000000000");
-  const codec_command in = {15, FRAY_VERB_RESET, 0x12345678};
+  const codec_command in = {15, FRAY_COMMAND_RESET, 0x12345678};
   codec_encode_command(&f, 7, &in);
   check_frame(&f, 0x01E, "CF0F030078563412");
   CHECK_EQ_INT(codec_decode_command(&f, 7, &out), CODEC_OK);
   CHECK_EQ_INT(out.counter, 15);
-  CHECK_EQ_INT(out.verb, FRAY_VERB_RESET);
+  CHECK_EQ_INT(out.command, FRAY_COMMAND_RESET);
   CHECK_EQ_INT(out.argument, 0x12345678);
 }
 
 static void ack_frames(void) {
   frame f;
   codec_ack out;
-  const codec_ack in = {15, FRAY_VERB_ZERO, FRAY_RESULT_REFUSED, 20};
+  const codec_ack in = {15, FRAY_COMMAND_ZERO, FRAY_RESULT_REFUSED, 20};
   codec_encode_ack(&f, 2, &in);
   check_frame(&f, 0x015, "E7F4040114000000");
   CHECK_EQ_INT(codec_decode_ack(&f, 2, &out), CODEC_OK);
   CHECK_EQ_INT(out.command_counter, 15);
-  CHECK_EQ_INT(out.verb, FRAY_VERB_ZERO);
+  CHECK_EQ_INT(out.command, FRAY_COMMAND_ZERO);
   CHECK_EQ_INT(out.result, FRAY_RESULT_REFUSED);
   CHECK_EQ_INT(out.tick, 20);
 }
@@ -132,7 +132,7 @@ static void tear_and_status_frames(void) {
   codec_encode_tear(&f, 0, &cut);
   CHECK_EQ_INT(codec_decode_tear(&f, 0, &tear), CODEC_OK);
   CHECK_EQ_INT(tear.element, 70000);
-  const codec_status now = {FRAY_SAFE, 100, FRAY_FAULT_STALE_RIGHT | FRAY_FAULT_LEFT_WORLD, 258,
+  const codec_status now = {FRAY_SAFE, 100, FRAY_FAULT_STALE_RIGHT | FRAY_FAULT_OUT_OF_WORLD, 258,
                             65535};
   codec_encode_status(&f, 1, &now);
   check_frame(&f, 0x702, "036412000201FFFF");
@@ -142,6 +142,20 @@ static void tear_and_status_frames(void) {
   CHECK_EQ_INT(status.faults, 18);
   CHECK_EQ_INT(status.overruns, 258);
   CHECK_EQ_INT(status.tears, 65535);
+}
+
+static void identity_frames(void) {
+  frame f;
+  codec_identity out;
+  const codec_identity in = {0x265C59E9, 3};
+  codec_encode_identity(&f, 7, &in);
+  check_frame(&f, 0x710, "E9595C2603000000");
+  CHECK_EQ_INT(codec_decode_identity(&f, 7, &out), CODEC_OK);
+  CHECK_EQ_INT(out.physics, 0x265C59E9);
+  CHECK_EQ_INT(out.tick_high, 3);
+  CHECK_EQ_INT(codec_decode_identity(&f, 6, &out), CODEC_ID);
+  f.length = 7;
+  CHECK_EQ_INT(codec_decode_identity(&f, 7, &out), CODEC_LENGTH);
 }
 
 /* Every way in which a frame can be wrong, on a good COMMAND, ACK, TEAR and STATUS. */
@@ -217,6 +231,7 @@ int main(void) {
   TEST(command_frames);
   TEST(ack_frames);
   TEST(tear_and_status_frames);
+  TEST(identity_frames);
   TEST(refused_frames);
   TEST(refused_fields);
   TEST(hands_are_not_exchanged);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The message table itself, and the texts that are written from it: rt/wire/fray.dbc and what is
- * between the marks in rt/wire/README.md. `test_dictionary --write` writes both anew.
+ * between marks in rt/wire/README.md. `test_dictionary --write` writes them anew.
  * Run from the repository's root. */
 #define _POSIX_C_SOURCE 200809L
-#include "tools/dictionary_text.h"
+#include "tests/lib/dictionary_text.h"
 
 #include <stdlib.h>
 
@@ -13,8 +13,15 @@
 
 static const char DBC[] = "rt/wire/fray.dbc";
 static const char README[] = "rt/wire/README.md";
-static const char BEGIN[] = "<!-- begin: written by build/tests/unit/test_dictionary --write -->\n";
 static const char END[] = "<!-- end -->\n";
+
+/* The blocks of README that are written, each from its mark to END. */
+static const struct {
+  const char *mark;
+  void (*writer)(FILE *);
+} BLOCKS[] = {{"<!-- begin: written by build/tests/unit/test_dictionary --write -->\n", dictionary_write_markdown},
+              {"<!-- begin faults: written by build/tests/unit/test_dictionary --write -->\n", dictionary_write_faults}};
+enum { BLOCK_COUNT = sizeof BLOCKS / sizeof *BLOCKS };
 
 static char *read_all(const char *file) {
   FILE *in = fopen(file, "rb");
@@ -61,23 +68,33 @@ static void dbc_is_the_table(void) {
   free(expected);
 }
 
-static void readme_is_the_table(void) {
-  char *is = read_all(README), *expected = written_by(dictionary_write_markdown);
-  char *begin = strstr(is, BEGIN), *end = strstr(is, END);
-  CHECK(begin != NULL && end != NULL);
-  if (begin != NULL && end != NULL) {
-    *end = 0;
-    check_lines(README, begin + strlen(BEGIN), expected);
+/* The text of a block: *end is where its END begins. NULL iff a mark is missing. */
+static char *block_begin(char *readme, int n, char **end) {
+  char *mark = strstr(readme, BLOCKS[n].mark);
+  if (mark == NULL) return NULL;
+  *end = strstr(mark, END);
+  return *end == NULL ? NULL : mark + strlen(BLOCKS[n].mark);
+}
+
+static void readme_is_the_tables(void) {
+  for (int n = 0; n < BLOCK_COUNT; ++n) {
+    char *is = read_all(README), *expected = written_by(BLOCKS[n].writer), *end = NULL;
+    char *begin = block_begin(is, n, &end);
+    CHECK(begin != NULL);
+    if (begin != NULL) {
+      *end = 0;
+      check_lines(README, begin, expected);
+    }
+    free(is);
+    free(expected);
   }
-  free(is);
-  free(expected);
 }
 
 static void ids_are_distinct_and_frozen(void) {
   static unsigned char seen[FRAME_ID_MAX + 1];
   static const uint16_t OF_INSTANCE_7[MESSAGES] = {0x087, 0x01E, 0x01F, 0x171, 0x172, 0x1F1,
                                                    0x1F2, 0x207, 0x708, 0x02E, 0x02F, 0x179,
-                                                   0x17A, 0x1F9, 0x1FA, 0x371, 0x372};
+                                                   0x17A, 0x1F9, 0x1FA, 0x371, 0x372, 0x710};
   for (int m = 0; m < (int)MESSAGES; ++m) {
     CHECK_EQ_INT(dictionary_id((dictionary_message)m, 7), OF_INSTANCE_7[m]);
     for (uint32_t n = 0; n < DICTIONARY_INSTANCES; ++n) {
@@ -96,10 +113,10 @@ static void check_bits(const signals_signal *list, uint32_t bits, unsigned char 
       used[n] = 1;
     }
     const int64_t least = s->is_signed ? -(INT64_C(1) << (s->bits - 1)) : 0;
-    CHECK(s->least >= least && s->most > 0 && s->least <= s->most);
-    CHECK(s->most <= least + (INT64_C(1) << s->bits) - 1);
+    CHECK(s->min >= least && s->max > 0 && s->min <= s->max);
+    CHECK(s->max <= least + (INT64_C(1) << s->bits) - 1);
     for (const signals_value *v = s->values; v != NULL && v->name != NULL; ++v) {
-      CHECK(v->value >= s->least && v->value <= s->most);
+      CHECK(v->value >= s->min && v->value <= s->max);
     }
   }
 }
@@ -149,26 +166,28 @@ static void write_file(const char *file, const char *head, size_t bytes, const c
   if (fclose(out) != 0) exit(1);
 }
 
-static int write_both(void) {
-  char *readme = read_all(README);
-  char *begin = strstr(readme, BEGIN), *end = strstr(readme, END);
-  if (begin == NULL || end == NULL) {
-    fprintf(stderr, "%s: no marks to write between\n", README);
-    return 1;
+static int write_all(void) {
+  for (int n = 0; n < BLOCK_COUNT; ++n) {
+    char *readme = read_all(README), *text = written_by(BLOCKS[n].writer), *end = NULL;
+    char *begin = block_begin(readme, n, &end);
+    if (begin == NULL) {
+      fprintf(stderr, "%s: no marks to write between\n", README);
+      return 1;
+    }
+    write_file(README, readme, (size_t)(begin - readme), text, end);
+    free(text);
+    free(readme);
   }
-  char *tables = written_by(dictionary_write_markdown), *dbc = written_by(dictionary_write_dbc);
-  write_file(README, readme, (size_t)(begin - readme) + strlen(BEGIN), tables, end);
+  char *dbc = written_by(dictionary_write_dbc);
   write_file(DBC, "", 0, dbc, "");
-  free(tables);
   free(dbc);
-  free(readme);
   return 0;
 }
 
 int main(int argc, char **argv) {
-  if (argc > 1 && strcmp(argv[1], "--write") == 0) return write_both();
+  if (argc > 1 && strcmp(argv[1], "--write") == 0) return write_all();
   TEST(dbc_is_the_table);
-  TEST(readme_is_the_table);
+  TEST(readme_is_the_tables);
   TEST(ids_are_distinct_and_frozen);
   TEST(signals_fit_and_do_not_overlap);
   TEST(a_protected_form_is_its_plain_one);

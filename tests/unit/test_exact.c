@@ -2,9 +2,9 @@
 #include <stdint.h>
 
 #include "tests/lib/test.h"
-#include "tools/build/angle.h"
-#include "tools/build/exact.h"
-#include "tools/build/number.h"
+#include "tools/scene_language/angle.h"
+#include "tools/scene_language/exact.h"
+#include "tools/scene_language/number.h"
 
 #define CHECK_EXACT(value, n, d) \
   do { \

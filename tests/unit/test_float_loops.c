@@ -5,7 +5,7 @@
 #include "tests/lib/test.h"
 #include "tests/lib/world_fixture.h"
 
-#include "rt/stage/stage.h"
+#include "rt/woven/woven.h"
 #include "tools/bench/float_arrays.h"
 #include "tools/bench/float_loop.h"
 #include "tools/bench/float_records.h"
@@ -20,32 +20,32 @@ static const double fray_tolerance = 2e-4;
 
 static const char *const sheets[] = {
     "pin row top", "pin column left", "pin crossing 0 0\npin crossing 36 0",
-    "ball a {\n radius 0.2 cm\n at 0.4 0.3 0 cm\n grip 0.05 cm\n}"};
+    "sphere a {\n radius 0.2 cm\n at 0.4 0.3 0 cm\n attach_within 0.05 cm\n}"};
 enum { SHEETS = sizeof sheets / sizeof *sheets };
 
 /* Shaken: every coordinate by up to a twentieth of a spacing. */
 static void open_shaken(fixture *f, const char *pins) {
   uint64_t seed = 5;
   fixture_print(f,
-                "scene loops\nrate 1000 Hz\nsubsteps 1\nsweeps 1\nsheet {\n warps 37\n wefts 23\n"
+                "scene loops\nrate 1000 Hz\nsubsteps 1\niterations 1\nwoven {\n warps 37\n wefts 23\n"
                 " spacing 12 /cm\n structural 100000 g/s2\n gather 3 %% pleats 2\n}\n%s\n",
                 pins);
-  const int32_t reach = f->w->links[1].rest / 20;
-  for (uint32_t p = (uint32_t)f->w->params->held; p < (uint32_t)f->w->params->particles; ++p) {
-    f->w->x[p] += (int32_t)(fixture_random(&seed) % (2u * (uint32_t)reach)) - reach;
-    f->w->y[p] += (int32_t)(fixture_random(&seed) % (2u * (uint32_t)reach)) - reach;
-    f->w->z[p] += (int32_t)(fixture_random(&seed) % (2u * (uint32_t)reach)) - reach;
+  const int32_t reach = f->w->woven.link_classes[1].rest / 20;
+  for (uint32_t p = (uint32_t)f->w->params->attached; p < (uint32_t)f->w->params->particles; ++p) {
+    f->w->p.x[p] += (int32_t)(splitmix64(&seed) % (2u * (uint32_t)reach)) - reach;
+    f->w->p.y[p] += (int32_t)(splitmix64(&seed) % (2u * (uint32_t)reach)) - reach;
+    f->w->p.z[p] += (int32_t)(splitmix64(&seed) % (2u * (uint32_t)reach)) - reach;
   }
-  CHECK_EQ_INT(f->w->links[1].push, 4096);
+  CHECK_EQ_INT(f->w->woven.link_classes[1].push, 4096);
 }
 
 static uint32_t kill_rows(fixture *f) {
   uint64_t seed = 7;
   uint32_t killed = 0;
   while (killed < DEAD) {
-    const uint32_t row = (uint32_t)(fixture_random(&seed) % (uint32_t)f->w->params->links);
-    if (f->w->row_class[row] == ROW_DEAD || !fixture_row_moves(f->w, row)) continue;
-    f->w->row_class[row] = ROW_DEAD;
+    const uint32_t row = (uint32_t)(splitmix64(&seed) % (uint32_t)f->w->params->links);
+    if (f->w->woven.spring_kind[row] == SPRING_DEAD || !fixture_spring_moves(f->w, row)) continue;
+    f->w->woven.spring_kind[row] = SPRING_DEAD;
     ++killed;
   }
   return killed;
@@ -54,11 +54,11 @@ static uint32_t kill_rows(fixture *f) {
 static uint32_t moving_rows(const fixture *f) {
   uint32_t rows = 0;
   for (uint32_t row = 0; row < (uint32_t)f->w->params->links; ++row)
-    if (f->w->row_class[row] != ROW_DEAD && fixture_row_moves(f->w, row)) ++rows;
+    if (f->w->woven.spring_kind[row] != SPRING_DEAD && fixture_spring_moves(f->w, row)) ++rows;
   return rows;
 }
 
-static double spacing(const fixture *f) { return f->w->links[1].rest * 0x1p-24; }
+static double spacing(const fixture *f) { return f->w->woven.link_classes[1].rest * 0x1p-24; }
 
 static double farther(double most, double a, double b) { return fmax(most, fabs(a - b)); }
 
@@ -86,17 +86,17 @@ static double arrays_differ(const fixture *f, const float_loop *l, const float_a
 static double fray_differs(const fixture *f, const float_loop *l) {
   double most = 0;
   for (uint32_t n = 0; n < (uint32_t)f->w->params->particles; ++n) {
-    most = farther(most, (double)l->particles[n].x, f->w->x[n] * 0x1p-24);
-    most = farther(most, (double)l->particles[n].y, f->w->y[n] * 0x1p-24);
-    most = farther(most, (double)l->particles[n].z, f->w->z[n] * 0x1p-24);
+    most = farther(most, (double)l->particles[n].x, f->w->p.x[n] * 0x1p-24);
+    most = farther(most, (double)l->particles[n].y, f->w->p.y[n] * 0x1p-24);
+    most = farther(most, (double)l->particles[n].z, f->w->p.z[n] * 0x1p-24);
   }
   return most / spacing(f);
 }
 
 static void compare_lanes(const fixture *f) {
-  float_loop loop;
-  float_records records;
-  float_arrays arrays;
+  CLOSED_BY(float_loop_close) float_loop loop = {0};
+  CLOSED_BY(float_records_close) float_records records = {0};
+  CLOSED_BY(float_arrays_close) float_arrays arrays = {0};
   CHECK(float_loop_open(&loop, f->w, FLOAT_BATCHED));
   CHECK(float_records_open(&records, f->w));
   CHECK(float_arrays_open(&arrays, f->w));
@@ -104,19 +104,16 @@ static void compare_lanes(const fixture *f) {
   CHECK_EQ_INT(records.rows, loop.rows);
   CHECK_EQ_INT(arrays.rows, loop.rows);
   for (int n = 0; n < SWEEPS; ++n) {
-    float_loop_sweep(&loop);
-    float_records_sweep(&records);
-    float_arrays_sweep(&arrays);
+    float_loop_iterate(&loop);
+    float_records_iterate(&records);
+    float_arrays_iterate(&arrays);
   }
   const double by_ids = records_differ(f, &loop, &records);
   const double in_runs = arrays_differ(f, &loop, &arrays);
   CHECK(by_ids <= lanes_tolerance);
   CHECK(in_runs <= lanes_tolerance);
   printf("figure float_lanes %.2g by ids, %.2g in runs (%u of %u rows) (asked: %g spacings)\n",
-         by_ids, in_runs, arrays.rows_in_runs, arrays.rows, lanes_tolerance);
-  float_loop_close(&loop);
-  float_records_close(&records);
-  float_arrays_close(&arrays);
+         by_ids, in_runs, arrays.springs_in_runs, arrays.rows, lanes_tolerance);
 }
 
 static void eight_lanes_are_as_one(void) {
@@ -125,31 +122,28 @@ static void eight_lanes_are_as_one(void) {
     return;
   }
   for (int n = 0; n < SHEETS; ++n) {
-    fixture f;
+    fixture_scoped f = {0};
     open_shaken(&f, sheets[n]);
     compare_lanes(&f);
     kill_rows(&f);
     compare_lanes(&f);
-    fixture_close(&f);
   }
 }
 
 static void fray_does_the_same(void) {
   for (int n = 0; n < SHEETS; ++n) {
-    fixture f;
-    float_loop loop;
+    fixture_scoped f = {0};
+    CLOSED_BY(float_loop_close) float_loop loop = {0};
     open_shaken(&f, sheets[n]);
     kill_rows(&f);
     CHECK(float_loop_open(&loop, f.w, FLOAT_BATCHED));
     for (int sweep = 0; sweep < SWEEPS; ++sweep) {
-      float_loop_sweep(&loop);
-      strain_run(f.w);
+      float_loop_iterate(&loop);
+      strain_limit_apply(f.w);
     }
     const double away = fray_differs(&f, &loop);
     CHECK(away <= fray_tolerance);
     printf("figure float_fray %.2g (asked: %g spacings)\n", away, fray_tolerance);
-    float_loop_close(&loop);
-    fixture_close(&f);
   }
 }
 
@@ -169,7 +163,7 @@ static double strain_left(const float_loop *l) {
 }
 
 static void orders_do_the_same(void) {
-  fixture f;
+  fixture_scoped f = {0};
   float_loop loops[3];
   double left[3];
   open_shaken(&f, sheets[0]);
@@ -177,7 +171,7 @@ static void orders_do_the_same(void) {
     CHECK(float_loop_open(&loops[order], f.w, (float_order)order));
     CHECK_EQ_INT(loops[order].rows, moving_rows(&f));
     const double before = strain_left(&loops[order]);
-    for (int n = 0; n < SWEEPS; ++n) float_loop_sweep(&loops[order]);
+    for (int n = 0; n < SWEEPS; ++n) float_loop_iterate(&loops[order]);
     left[order] = strain_left(&loops[order]) / before;
     float_loop_close(&loops[order]);
   }
@@ -185,7 +179,6 @@ static void orders_do_the_same(void) {
   printf("figure float_orders %.3f plain, %.3f coloured, %.3f batched of the strain are left"
          " (asked: none twice another)\n",
          left[0], left[1], left[2]);
-  fixture_close(&f);
 }
 
 int main(void) {

@@ -9,25 +9,24 @@
 #include <unistd.h>
 
 #include "rt/wire/codec.h"
+#include "tests/lib/rfc4493_key.h"
 #include "tests/lib/test.h"
 
-static const uint8_t KEY_BYTES[16] = {0x2b, 0x7e, 0x15, 0x16, 0x28, 0xae, 0xd2, 0xa6,
-                                      0xab, 0xf7, 0x15, 0x88, 0x09, 0xcf, 0x4f, 0x3c};
 static const uint8_t OTHER_BYTES[16] = {1};
 static cmac_key key, other_key;
 static char folder[] = "/tmp/fray_freshness_XXXXXX";
 static char path[64], fresh[80];
 static freshness store;
-static guard g;
+static auth_gate g;
 static candump_error error;
 
-static int begin_with(const cmac_key *k, guard_form form, guard_end end) {
+static int begin_with(const cmac_key *k, auth_gate_form form, auth_gate_end end) {
   memset(&error, 0, sizeof error);
-  guard_init(&g, k, form, end, 0, 3);
+  auth_gate_init(&g, k, form, end, 0, 3);
   return freshness_open(&store, path, &g, k, &error);
 }
 
-static int begin(void) { return begin_with(&key, GUARD_FD, GUARD_DEVICE); }
+static int begin(void) { return begin_with(&key, AUTH_GATE_FD, AUTH_GATE_DEVICE); }
 
 static uint32_t seal(uint32_t times) {
   uint32_t sealed = 0;
@@ -35,7 +34,7 @@ static uint32_t seal(uint32_t times) {
     frame f;
     const fray_pose pose = {0, 0, 0, (uint8_t)(n & 15u), 0};
     codec_encode_pose(&f, 0, 0, &pose);
-    sealed += (uint32_t)guard_seal(&g, &f);
+    sealed += (uint32_t)auth_gate_seal(&g, &f);
   }
   return sealed;
 }
@@ -55,9 +54,9 @@ static void put(const char *words) {
   if (out == NULL || fputs(words, out) < 0 || fclose(out) != 0) exit(1);
 }
 
-static void until_allowed(uint32_t most) {
+static void until_allowed(uint32_t max) {
   const struct timespec pause = {0, 20000000};
-  for (int n = 0; n < 500 && g.out[1].most != most; ++n) {
+  for (int n = 0; n < 500 && g.out[1].max != max; ++n) {
     freshness_exchange(&store);
     (void)nanosleep(&pause, NULL);
   }
@@ -68,7 +67,7 @@ static void a_new_file(void) {
   unlink(path);
   CHECK(begin());
   CHECK_EQ_INT(store.is_new, 1);
-  CHECK_EQ_INT(g.out[1].most, 10000);
+  CHECK_EQ_INT(g.out[1].max, 10000);
   CHECK(strncmp(text(), "fray freshness 1\ndevice fd instance 0\naccepted 021 0\naccepted 189 0\n"
                         "accepted 18A 0\nsent 020 10000\nsent 109 10000\nsent 10A 10000\ntag ", 122) == 0);
   struct stat status;
@@ -85,7 +84,7 @@ static void a_clean_end_goes_on(void) {
   CHECK(begin());
   CHECK_EQ_INT(store.is_new, 0);
   CHECK_EQ_INT(g.out[1].last, 7);
-  CHECK_EQ_INT(g.out[1].most, 10007);
+  CHECK_EQ_INT(g.out[1].max, 10007);
   g.in[1].last = 123;
   CHECK(freshness_close(&store));
   CHECK(begin());
@@ -98,7 +97,7 @@ static void a_sender_waits_for_its_store(void) {
   CHECK(begin());
   CHECK_EQ_INT(seal(20000), 10000);
   until_allowed(20007);
-  CHECK_EQ_INT(g.out[1].most, 20007);
+  CHECK_EQ_INT(g.out[1].max, 20007);
   CHECK(strstr(text(), "sent 109 20007\n") != NULL);
   CHECK_EQ_INT(seal(20000), 10000);
   CHECK(freshness_close(&store));
@@ -139,11 +138,11 @@ static void files_that_do_not_fit(void) {
   unlink(path);
   CHECK(begin() && freshness_close(&store));
   memcpy(good, text(), sizeof good);
-  CHECK(!begin_with(&other_key, GUARD_FD, GUARD_DEVICE));
+  CHECK(!begin_with(&other_key, AUTH_GATE_FD, AUTH_GATE_DEVICE));
   CHECK(strstr(error.message, "was written under another key, or altered") != NULL);
-  CHECK(!begin_with(&key, GUARD_FD, GUARD_RUNTIME));
+  CHECK(!begin_with(&key, AUTH_GATE_FD, AUTH_GATE_RUNTIME));
   CHECK(strstr(error.message, "not of this end of the bus, expected 'runtime fd instance 0'") != NULL);
-  CHECK(!begin_with(&key, GUARD_CLASSIC, GUARD_DEVICE));
+  CHECK(!begin_with(&key, AUTH_GATE_CLASSIC, AUTH_GATE_DEVICE));
   CHECK(strstr(error.message, "expected 'device classic instance 0'") != NULL);
   CHECK_TEXT(text(), good); /* what was refused is left alone */
   char *number = strstr(good, "sent 109 0");
@@ -171,25 +170,25 @@ static void a_spent_key(void) {
   CHECK_TEXT(error.message, "no freshness is left under this key, expected a new key and a new file");
   unlink(path);
   CHECK(begin());
-  g.out[0].last = AUTH_OWN - 5; /* the operator's half of COMMAND */
+  g.out[0].last = AUTH_RUNTIME_FIRST - 5; /* the operator's half of COMMAND */
   CHECK(freshness_close(&store));
   CHECK(begin());
-  CHECK_EQ_INT(g.out[0].most, AUTH_OWN - 1);
+  CHECK_EQ_INT(g.out[0].max, AUTH_RUNTIME_FIRST - 1);
   CHECK(freshness_close(&store));
 }
 
 /* From open to close, through the stores in between. */
 static void one_process_a_file(void) {
   static freshness second;
-  guard another;
-  guard_init(&another, &key, GUARD_FD, GUARD_DEVICE, 0, 3);
+  auth_gate another;
+  auth_gate_init(&another, &key, AUTH_GATE_FD, AUTH_GATE_DEVICE, 0, 3);
   unlink(path);
   CHECK(begin());
   CHECK(!freshness_open(&second, path, &another, &key, &error));
   CHECK(strstr(error.message, "another process stores its freshness here") != NULL);
   CHECK_EQ_INT(seal(6000), 6000);
   until_allowed(16000);
-  CHECK_EQ_INT(g.out[1].most, 16000);
+  CHECK_EQ_INT(g.out[1].max, 16000);
   CHECK(!freshness_open(&second, path, &another, &key, &error));
   CHECK(freshness_close(&store));
   CHECK(freshness_open(&second, path, &another, &key, &error));
@@ -223,11 +222,33 @@ static void what_cannot_be_written(void) {
   CHECK(freshness_close(&store));
 }
 
+/* What stands where the new file is written is not written through, and does not hold the start up. */
+static void what_stands_in_the_way(void) {
+  char victim[80], line[16] = "";
+  snprintf(victim, sizeof victim, "%s/victim", folder);
+  FILE *out = fopen(victim, "w");
+  CHECK(out != NULL && fputs("precious", out) >= 0 && fclose(out) == 0);
+  (void)unlink(path);
+  CHECK(symlink(victim, fresh) == 0);
+  CHECK(begin());
+  CHECK(freshness_close(&store));
+  FILE *in = fopen(victim, "r");
+  CHECK(in != NULL && fgets(line, sizeof line, in) != NULL && fclose(in) == 0);
+  CHECK_TEXT(line, "precious");
+  (void)alarm(20); /* a pipe that is opened for writing waits for a reader */
+  CHECK(mkfifo(fresh, 0600) == 0);
+  CHECK(begin());
+  CHECK(freshness_close(&store));
+  (void)alarm(0);
+  (void)unlink(fresh);
+  (void)unlink(victim);
+}
+
 int main(void) {
   if (mkdtemp(folder) == NULL) return 1;
   snprintf(path, sizeof path, "%s/lanes", folder);
   snprintf(fresh, sizeof fresh, "%s.new", path);
-  cmac_key_init(&key, KEY_BYTES);
+  cmac_key_init(&key, RFC4493_KEY);
   cmac_key_init(&other_key, OTHER_BYTES);
   TEST(a_new_file);
   TEST(a_clean_end_goes_on);
@@ -237,6 +258,7 @@ int main(void) {
   TEST(a_spent_key);
   TEST(one_process_a_file);
   TEST(what_cannot_be_written);
+  TEST(what_stands_in_the_way);
   unlink(path);
   rmdir(folder);
   return test_end();

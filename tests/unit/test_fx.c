@@ -5,6 +5,7 @@
 
 #include "rt/base/fx.h"
 #include "rt/base/vec.h"
+#include "tests/lib/splitmix64.h"
 #include "tests/lib/test.h"
 
 /* By division: floor, and nearest with halves away from zero. */
@@ -64,6 +65,10 @@ static void saturations_hold_at_their_edges(void) {
       const int64_t expected = v > 2147483647 ? 2147483647 : (v < -2147483647 ? -2147483647 : v);
       CHECK_EQ_INT(fx_saturate(v), expected);
       CHECK_EQ_INT(fx_saturate(-v), -expected);
+      for (int32_t limit = INT32_MAX; limit > 0; limit /= 77) {
+        CHECK_EQ_INT(fx_clamp_wide(v, limit), fx_clamp64(v, -(int64_t)limit, limit));
+        CHECK_EQ_INT(fx_clamp_wide(v * 65536, limit), fx_clamp64(v * 65536, -(int64_t)limit, limit));
+      }
       if (v < INT32_MIN || v > INT32_MAX) continue;
       const int32_t w = (int32_t)v;
       CHECK_EQ_INT(fx_magnitude(w), v < 0 ? -v : v);
@@ -109,13 +114,6 @@ static void roots_are_normalised(void) {
   }
 }
 
-static uint64_t next(uint64_t *seed) {
-  uint64_t v = *seed += 0x9E3779B97F4A7C15u;
-  v = (v ^ (v >> 30)) * 0xBF58476D1CE4E5B9u;
-  v = (v ^ (v >> 27)) * 0x94D049BB133111EBu;
-  return v ^ (v >> 31);
-}
-
 /* Rounded down, with the inverse's error of 2^-28 and the 2^-31 that m cuts from n. */
 static void lengths_are_within_their_error(void) {
   uint64_t seed = 1;
@@ -126,7 +124,7 @@ static void lengths_are_within_their_error(void) {
     CHECK(root <= exact_root * (1 + 0x1p-28) && root > exact_root * (1 - 0x1p-27) - 1);
   }
   for (uint32_t trial = 0; trial < 1000000; ++trial) {
-    const uint64_t n = (next(&seed) >> (trial % 64)) | 1u;
+    const uint64_t n = (splitmix64(&seed) >> (trial % 64)) | 1u;
     const double exact_root = sqrt((double)n);
     const double away = fx_root_length(fx_rsqrt(n, FX_ROOT_FINE)) - exact_root;
     CHECK(away <= exact_root * 0x1p-28 && away > -exact_root * 0x1p-27 - 1);
@@ -141,9 +139,9 @@ static void units_are_within_their_error(void) {
   double most = 0;
   for (uint32_t trial = 0; trial < 1000000; ++trial) {
     const unsigned s = trial % 31;
-    const vec3 v = vec_make((int32_t)(next(&seed) & 0x7FFFFFFFu) >> s,
-                            (int32_t)(next(&seed) & 0x7FFFFFFFu) >> (s / 2),
-                            (int32_t)(next(&seed) & 0x7FFFFFFFu) >> s);
+    const vec3 v = vec_make((int32_t)(splitmix64(&seed) & 0x7FFFFFFFu) >> s,
+                            (int32_t)(splitmix64(&seed) & 0x7FFFFFFFu) >> (s / 2),
+                            (int32_t)(splitmix64(&seed) & 0x7FFFFFFFu) >> s);
     const uint64_t n = vec_squared(v);
     if (n == 0) continue;
     const fx_root r = fx_rsqrt(n, FX_ROOT_FINE);
@@ -185,9 +183,9 @@ static void roots_are_those_of_64_bits(void) {
 static void quotients_are_those_of_a_division(void) {
   uint32_t different = 0;
   for (uint32_t n = 0; n < 2000000u; ++n) {
-    const uint32_t d = ((uint32_t)(next(&seed) >> 33) >> (next(&seed) & 31u)) + 1u;
-    uint64_t v = next(&seed) >> (next(&seed) & 63u);
-    if (n % 3u == 0) v = (uint64_t)d * (uint32_t)next(&seed) + (n % 2u == 0 ? d - 1u : 0u);
+    const uint32_t d = ((uint32_t)(splitmix64(&seed) >> 33) >> (splitmix64(&seed) & 31u)) + 1u;
+    uint64_t v = splitmix64(&seed) >> (splitmix64(&seed) & 63u);
+    if (n % 3u == 0) v = (uint64_t)d * (uint32_t)splitmix64(&seed) + (n % 2u == 0 ? d - 1u : 0u);
     const uint64_t q = v / d;
     different += fx_divide_wide(v, d) != (q > UINT32_MAX ? UINT32_MAX : (uint32_t)q);
   }
@@ -202,8 +200,8 @@ static void narrow_forms_are_the_plain_ones(void) {
                                   INT32_MAX};
   enum { EDGES = sizeof edges / sizeof edges[0] };
   for (uint32_t n = 0; n < 200000u; ++n) {
-    const int32_t a = n < EDGES * EDGES ? edges[n / EDGES] : (int32_t)(uint32_t)next(&seed);
-    const int32_t b = n < EDGES * EDGES ? edges[n % EDGES] : (int32_t)(uint32_t)next(&seed);
+    const int32_t a = n < EDGES * EDGES ? edges[n / EDGES] : (int32_t)(uint32_t)splitmix64(&seed);
+    const int32_t b = n < EDGES * EDGES ? edges[n % EDGES] : (int32_t)(uint32_t)splitmix64(&seed);
     CHECK(fx_add_saturated(a, b) == fx_saturate((int64_t)a + b));
     CHECK(fx_clamp_rare(a, -1000, 77) == fx_clamp(a, -1000, 77));
     CHECK(fx_saturate16(a) == fx_clamp(a, -32768, 32767));

@@ -5,6 +5,7 @@
 #include "rt/base/bytes.h"
 #include "rt/base/hash.h"
 #include "rt/base/random.h"
+#include "tests/lib/splitmix64.h"
 #include "tests/lib/test.h"
 
 static uint64_t hash_of(const int32_t *words, uint32_t count) {
@@ -70,26 +71,19 @@ static void bytes_are_words(void) {
   }
 }
 
-static uint64_t next(uint64_t *seed) {
-  uint64_t v = *seed += 0x9E3779B97F4A7C15u;
-  v = (v ^ (v >> 30)) * 0xBF58476D1CE4E5B9u;
-  v = (v ^ (v >> 27)) * 0x94D049BB133111EBu;
-  return v ^ (v >> 31);
-}
-
 /* Every step is a bijection of its lane, so no single change can go unseen. */
 static void every_changed_word_changes_the_hash(void) {
   int32_t words[70];
   uint64_t seed = 4;
   uint32_t unseen = 0;
   uint32_t changes = 0;
-  for (uint32_t n = 0; n < 70; ++n) words[n] = (int32_t)(uint32_t)(next(&seed) & 0xFFFFFFFFu);
+  for (uint32_t n = 0; n < 70; ++n) words[n] = (int32_t)(uint32_t)(splitmix64(&seed) & 0xFFFFFFFFu);
   for (uint32_t count = 1; count <= 70; ++count) {
     const uint64_t before = hash_of(words, count);
     for (uint32_t n = 0; n < count; ++n)
       for (uint32_t bit = 0; bit < 36; ++bit) {
         const int32_t kept = words[n];
-        const uint32_t flip = bit < 32 ? (uint32_t)1 << bit : (uint32_t)(next(&seed) >> 32) | 1u;
+        const uint32_t flip = bit < 32 ? (uint32_t)1 << bit : (uint32_t)(splitmix64(&seed) >> 32) | 1u;
         words[n] = (int32_t)((uint32_t)words[n] ^ flip);
         unseen += hash_of(words, count) == before;
         ++changes;

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #define _POSIX_C_SOURCE 200809L
-#include "tools/key_file.h"
+#include "tools/bus/key_file.h"
 
 #include <stdlib.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "tests/lib/rfc4493_key.h"
 #include "tests/lib/test.h"
 
 static char folder[] = "/tmp/fray_key_XXXXXX";
@@ -37,15 +38,13 @@ static int zeros(void) {
 #define DIGITS "2b7e151628aed2a6abf7158809cf4f3c"
 
 static void good_files(void) {
-  static const uint8_t EXPECTED[16] = {0x2b, 0x7e, 0x15, 0x16, 0x28, 0xae, 0xd2, 0xa6,
-                                       0xab, 0xf7, 0x15, 0x88, 0x09, 0xcf, 0x4f, 0x3c};
   CHECK(READ(DIGITS));
-  CHECK(memcmp(key, EXPECTED, 16) == 0);
+  CHECK(memcmp(key, RFC4493_KEY, 16) == 0);
   CHECK(READ(DIGITS "\n"));
-  CHECK(memcmp(key, EXPECTED, 16) == 0);
+  CHECK(memcmp(key, RFC4493_KEY, 16) == 0);
   CHECK(READ(DIGITS "\r\n"));
   CHECK(READ("2B7E151628AED2A6ABF7158809CF4F3C\n"));
-  CHECK(memcmp(key, EXPECTED, 16) == 0);
+  CHECK(memcmp(key, RFC4493_KEY, 16) == 0);
   CHECK(read_text(DIGITS "\n", 33, 0400));
 }
 

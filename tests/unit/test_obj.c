@@ -5,16 +5,17 @@
 #include <stdlib.h>
 
 #include "tests/lib/test.h"
-#include "tools/build/obj.h"
+#include "tools/mesh_import/obj.h"
 
 static obj_mesh mesh;
 static scene_error failure;
 
-/* In a buffer of its exact size, so that a sanitizer sees a read behind. */
+/* In a buffer of its exact size, so that a sanitizer sees a read behind. Frees the mesh of before. */
 static int parse_bytes(const char *text, size_t bytes) {
   char *copy = malloc(bytes + (bytes == 0));
   if (copy == NULL) return 0;
   memcpy(copy, text, bytes);
+  obj_free(&mesh);
   memset(&failure, 0, sizeof failure);
   const int good = obj_read("x.obj", copy, bytes, &mesh, &failure);
   free(copy);
@@ -31,7 +32,6 @@ static void check_fails(const char *text, int line, int column, const char *mess
   CHECK_EQ_INT(failure.column, column);
   CHECK_TEXT(failure.message, message);
   CHECK_TEXT(failure.file, "x.obj");
-  obj_free(&mesh);
 }
 static void check_triangle(uint32_t n, uint32_t a, uint32_t b, uint32_t c, uint32_t face, int line) {
   if (n >= mesh.triangle_count) return;
@@ -51,7 +51,6 @@ static void reads_points_exactly(void) {
   CHECK_EQ_INT(mesh.points[0].at[1].numerator, -1);
   CHECK_EQ_INT(mesh.points[0].at[1].denominator, 4);
   CHECK_EQ_INT(mesh.points[2].line, 3);
-  obj_free(&mesh);
 }
 
 static void faces_become_fans(void) {
@@ -60,32 +59,28 @@ static void faces_become_fans(void) {
   check_triangle(0, 0, 1, 2, 0, 6);
   check_triangle(1, 0, 2, 4, 0, 6);
   check_triangle(2, 0, 4, 3, 0, 6);
-  obj_free(&mesh);
 }
 
 static void numbers_count_from_the_end_too(void) {
   check_parses("v 0 0 0\nv 1 0 0\nv 1 1 0\nf -3 -2 -1\nv 0 1 0\nf -4 -2 -1\n");
   check_triangle(1, 0, 2, 3, 1, 6);
-  obj_free(&mesh);
+}
+
+/* The edge between two points runs from `a` to `b`, between triangle 1 and `other`. */
+static void check_edge(uint32_t from, uint32_t to, uint32_t a, uint32_t b, uint32_t other) {
+  const uint32_t found = obj_edge_between(&mesh, from, to);
+  CHECK(found != OBJ_NONE);
+  if (found == OBJ_NONE) return;
+  const obj_edge *e = &mesh.edges[found];
+  CHECK(e->point[0] == a && e->point[1] == b && e->triangle[0] == 1 && e->triangle[1] == other);
 }
 
 static void triangles_join_at_edges(void) {
   check_parses(SQUARE "f 1 2 3\nf 1 3 4\n");
   CHECK_EQ_INT(mesh.edge_count, 5);
-  const uint32_t middle = obj_edge_between(&mesh, 2, 0);
-  CHECK(middle != OBJ_NONE);
-  if (middle != OBJ_NONE) {
-    const obj_edge *e = &mesh.edges[middle];
-    CHECK(e->point[0] == 0 && e->point[1] == 2 && e->triangle[0] == 1 && e->triangle[1] == 0);
-  }
-  const uint32_t border = obj_edge_between(&mesh, 0, 3);
-  CHECK(border != OBJ_NONE);
-  if (border != OBJ_NONE) {
-    const obj_edge *e = &mesh.edges[border];
-    CHECK(e->point[0] == 3 && e->point[1] == 0 && e->triangle[0] == 1 && e->triangle[1] == OBJ_NONE);
-  }
+  check_edge(2, 0, 0, 2, 0);
+  check_edge(0, 3, 3, 0, OBJ_NONE);
   CHECK(obj_edge_between(&mesh, 1, 3) == OBJ_NONE);
-  obj_free(&mesh);
 }
 
 static void marks_and_what_is_read_over(void) {
@@ -96,7 +91,6 @@ static void marks_and_what_is_read_over(void) {
   CHECK(mesh.marks[3].point[0] == 2 && mesh.marks[3].point[1] == 2);
   CHECK_EQ_INT(mesh.marks[3].line, 17);
   CHECK_EQ_INT(mesh.points[2].line, 12);
-  obj_free(&mesh);
 }
 
 static void refuses_bad_lines(void) {
@@ -112,16 +106,16 @@ static void refuses_bad_lines(void) {
   check_fails("v 0 0 0 2\n", 1, 1,
               "found a fourth number that is not 1, expected a point of a polygon mesh");
   check_fails("curv 0 1\n", 1, 1,
-              "found 'curv', expected v, f, l, p, or what is read over: vt, vn, vp, o, g, s, mg, usemtl, "
+              "found 'curv', expected v, f, l, p, or keys that are skipped: vt, vn, vp, o, g, s, mg, usemtl, "
               "mtllib");
   check_fails("w\x01 1\n", 1, 1,
-              "found 'w?', expected v, f, l, p, or what is read over: vt, vn, vp, o, g, s, mg, usemtl, "
+              "found 'w?', expected v, f, l, p, or keys that are skipped: vt, vn, vp, o, g, s, mg, usemtl, "
               "mtllib");
   check_fails("", 0, 0, "has no faces, expected lines 'v x y z' and 'f a b c'");
   check_fails(SQUARE, 0, 0, "has no faces, expected lines 'v x y z' and 'f a b c'");
 }
 
-#define CORNER "the number of a point that stands before it, from 1 or below 0"
+#define CORNER "the number of a point of an earlier line, from 1 or below 0"
 
 static void refuses_bad_faces(void) {
   check_fails(SQUARE "f 1 2\n", 5, 6, "found the end of the line, expected at least 3 corners for 'f'");
@@ -134,7 +128,7 @@ static void refuses_bad_faces(void) {
               "found '3/1/1/1', expected a corner as 1, 1/2, 1//3 or 1/2/3");
   check_fails(SQUARE "f 1 2 1\n", 5, 7, "found '1', expected each corner of a face once");
   check_fails(SQUARE "l 1\n", 5, 4, "found the end of the line, expected 2 points for 'l'");
-  check_fails(SQUARE "l 1 1\n", 5, 5, "found '1', expected another point than before it");
+  check_fails(SQUARE "l 1 1\n", 5, 5, "found '1', expected another point than the one before");
   check_fails(SQUARE "p\n", 5, 2, "found the end of the line, expected a point for 'p'");
 }
 
@@ -159,25 +153,31 @@ static void too_much_is_refused(void) {
     at += (size_t)snprintf(text + at, sizeof text - at, " %d", n + 1);
   CHECK(!parse_bytes(text, at));
   CHECK_TEXT(failure.message, "found '65', expected at most 64 corners of a face");
-  obj_free(&mesh);
 }
 
 static void check_file(const char *file, uint32_t points, uint32_t edges, uint32_t triangles) {
-  const int good = obj_load(file, &mesh, &failure);
-  CHECK(good);
+  obj_free(&mesh);
+  CHECK(obj_load(file, &mesh, &failure));
   CHECK_EQ_INT(mesh.point_count, points);
   CHECK_EQ_INT(mesh.edge_count, edges);
   CHECK_EQ_INT(mesh.triangle_count, triangles);
-  obj_free(&mesh);
 }
 static void files_are_read(void) {
   check_file("tests/scenes/meshes/box.obj", 8, 18, 12);
   check_file("tests/scenes/meshes/ball.obj", 162, 480, 320);
   check_file("tests/scenes/meshes/sword.obj", 9, 21, 14);
   check_file("tests/scenes/meshes/plate.obj", 4, 5, 2);
+  obj_free(&mesh);
   CHECK(!obj_load("tests/scenes/meshes", &mesh, &failure));
-  CHECK_TEXT(failure.message, "cannot be read, expected an OBJ file of at most 67108864 bytes");
+  CHECK_TEXT(failure.message, "cannot be read: it is a folder, expected a file");
   CHECK(!obj_load("tests/scenes/meshes/none.obj", &mesh, &failure));
+}
+
+/* Returns 1 for a mesh. */
+static uint32_t is_mesh_or_refused(const char *text, size_t bytes) {
+  const int good = parse_bytes(text, bytes);
+  CHECK(good || failure.message[0] != 0);
+  return (uint32_t)good;
 }
 
 /* Cut off anywhere, and with any byte changed, it is refused with a message or is a mesh. */
@@ -188,26 +188,16 @@ static void damaged_files_are_harmless(void) {
   if (in == NULL) return;
   const size_t bytes = fread(text, 1, sizeof text, in);
   fclose(in);
-  uint32_t bad = 0;
   uint32_t meshes = 0;
-  for (size_t cut = 0; cut < bytes; ++cut) {
-    const int good = parse_bytes(text, cut);
-    bad += !good && failure.message[0] == 0;
-    meshes += (uint32_t)good;
-    obj_free(&mesh);
-  }
+  for (size_t cut = 0; cut < bytes; ++cut) meshes += is_mesh_or_refused(text, cut);
   for (size_t n = 0; n < bytes; ++n) {
     const char was = text[n];
     for (int byte = 0; byte < 256; ++byte) {
       text[n] = (char)byte;
-      const int good = parse_bytes(text, bytes);
-      bad += !good && failure.message[0] == 0;
-      meshes += (uint32_t)good;
-      obj_free(&mesh);
+      meshes += is_mesh_or_refused(text, bytes);
     }
     text[n] = was;
   }
-  CHECK_EQ_INT(bad, 0);
   printf("  %u damaged files, %u of them still meshes\n", (unsigned)(bytes * 257), meshes);
 }
 

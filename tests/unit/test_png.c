@@ -166,7 +166,7 @@ static void unfilter(const uint8_t *in, uint32_t width, uint32_t height, uint8_t
 
 /* Encodes, walks the chunks, inflates and unfilters; 1 iff every pixel came back. */
 static int round_trip(const uint8_t *rgb, uint32_t width, uint32_t height, size_t *file_bytes) {
-  byte_row file = {0};
+  byte_buffer file = {0};
   if (!png_encode(&file, rgb, width, height)) return 0;
   const size_t raw = ((size_t)width * 3 + 1) * height;
   uint8_t *filtered = malloc(raw), *back = malloc(raw);
@@ -195,7 +195,7 @@ static int round_trip(const uint8_t *rgb, uint32_t width, uint32_t height, size_
   *file_bytes = file.count;
   free(filtered);
   free(back);
-  byte_row_free(&file);
+  byte_buffer_free(&file);
   return good;
 }
 
@@ -274,14 +274,14 @@ static void pictures(void) {
 }
 
 static void refused(void) {
-  byte_row file = {0};
+  byte_buffer file = {0};
   const uint8_t pixel[3] = {1, 2, 3};
   CHECK(!png_encode(&file, pixel, 0, 1));
   CHECK(!png_encode(&file, pixel, 1, 0));
   CHECK(!png_encode(&file, NULL, 1, 1));
   CHECK(!png_encode(&file, pixel, 1u << 20, 1));
   CHECK(!png_write("/nonexistent/folder/x.png", pixel, 1, 1));
-  byte_row_free(&file);
+  byte_buffer_free(&file);
 }
 
 int main(void) {

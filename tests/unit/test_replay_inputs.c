@@ -4,9 +4,9 @@
 #include "rt/wire/codec.h"
 #include "rt/wire/port.h"
 #include "tests/lib/test.h"
-#include "tools/replay.h"
+#include "tools/recording/replay.h"
 
-enum { SESSIONS = 2000, TICKS = 100, POSES = 12, BEFORE = 64, ENTRIES = TICKS * (POSES + 2) + BEFORE };
+enum { SESSIONS = 2000, TICKS = 100, POSES = 12, BEFORE = 64, ENTRIES = TICKS * (POSES + 2) + BEFORE + 1 };
 
 static candump_entry entries[ENTRIES];
 static candump_log log_of_bus;
@@ -62,10 +62,11 @@ static void record_session(uint32_t disorder, uint32_t before) {
     const codec_force force = {0, 0, 0, (uint8_t)(tick & 15u), consumed};
     codec_encode_force(add_entry(), 0, 0, &force);
   }
+  codec_encode_sync(add_entry(), 0, &(codec_sync){TICKS, 0});
 }
 
 static void is_found(void) {
-  static const replay_setting LEFT = {0, 1, 1000, {0, 0}};
+  static const replay_setting LEFT = {0, 1, 1000, 0, {0, 0}, 0};
   replay run;
   candump_error error;
   const int good = replay_read("r.log", &log_of_bus, &LEFT, &run, &error);

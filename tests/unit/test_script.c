@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "tools/script.h"
+#include "tools/bus/script.h"
 
 #include "tests/lib/test.h"
 
@@ -23,9 +23,9 @@ static void a_script(void) {
   CHECK_EQ_INT(s.duration_us, 2001000);
   CHECK_EQ_INT(script_ticks(&s), 1001);
   CHECK_EQ_INT(s.commands, 3);
-  CHECK_EQ_INT(s.command[1].verb, FRAY_VERB_ZERO);
+  CHECK_EQ_INT(s.command[1].verb, FRAY_COMMAND_ZERO);
   CHECK_EQ_INT(s.command[1].time_us, 100000);
-  CHECK_EQ_INT(s.command[2].verb, FRAY_VERB_HALT);
+  CHECK_EQ_INT(s.command[2].verb, FRAY_COMMAND_HALT);
   CHECK_EQ_INT(script_tick_at(&s, 100000), 50);
   CHECK_EQ_INT(script_tick_at(&s, 100001), 51);
   CHECK_EQ_INT(s.keys[0], 2);
@@ -76,13 +76,13 @@ static void refused(const char *text, int line, int column, const char *message)
 static void refused_scripts(void) {
   refused("", 1, 1, "found the end of the file, expected a duration, e.g. duration 5 s");
   refused("duration 1 s\n", 2, 1,
-          "found the end of the file, expected a hand: left or right { keys }");
+          "found the end of the file, expected a hand: left or right { keyframes }");
   refused("\n  speed 3", 2, 3,
           "found 'speed', expected rate, seed, noise, instance, duration, command, left or right");
   refused("rate 0 Hz", 1, 6, "found '0', expected a whole rate of 1 to 10000");
   refused("rate 1.5 Hz", 1, 6, "found '1.5', expected a whole rate of 1 to 10000");
   refused("rate 1000", 1, 10, "found the end of the file, expected the rate's unit: Hz");
-  refused("seed 1 seed 2", 1, 8, "found 'seed', expected something else: this was said before");
+  refused("seed 1 seed 2", 1, 8, "found 'seed', expected another key: this one was given before");
   refused("noise 501 um", 1, 7, "found '501', expected a noise of 0 to 500 um");
   refused("noise 1.2345 um", 1, 7,
           "found '1.2345', expected at most 3 digits after the point of a length in um");
@@ -93,12 +93,12 @@ static void refused_scripts(void) {
   refused("command 1 s go", 1, 13, "found 'go', expected a command: start, stop, reset, zero or halt");
   refused("command 1 s stop command 0 s stop", 1, 26,
           "found '0', expected a time not before that of the command before");
-  refused("left 0 s", 1, 6, "found '0', expected '{' and the keys of this hand");
-  refused("left { }", 1, 8, "found '}', expected a key, e.g. 0 s 0 0 0 mm");
+  refused("left 0 s", 1, 6, "found '0', expected '{' and the keyframes of this hand");
+  refused("left { }", 1, 8, "found '}', expected a keyframe, e.g. 0 s 0 0 0 mm");
   refused("left { 0 s 0 0 0 mm", 1, 20, "found the end of the file, expected a time, e.g. 0.5 s");
   refused("left { 0 s 0 0 mm }", 1, 16, "found 'mm', expected x, y and z, e.g. -25 2 0 mm");
   refused("left {\n 1 s 0 0 0 mm\n 1 s 0 0 0 mm }", 3, 2,
-          "found '1', expected a time after that of the key before");
+          "found '1', expected a time after that of the keyframe before");
   refused("left { 0 s 0 66 0 mm }", 1, 12, "found '0', expected x, y and z within +-65 mm");
 }
 

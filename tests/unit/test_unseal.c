@@ -1,29 +1,28 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Logs under a key, line by line: what is taken out, and what is said of it. */
 #define _POSIX_C_SOURCE 200809L
-#include "tools/unseal.h"
+#include "tools/recording/unseal.h"
 
 #include <stdlib.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "rt/wire/codec.h"
-#include "rt/wire/guard.h"
+#include "rt/wire/auth_gate.h"
+#include "tests/lib/rfc4493_key.h"
 #include "tests/lib/test.h"
 
-static const uint8_t KEY_BYTES[16] = {0x2b, 0x7e, 0x15, 0x16, 0x28, 0xae, 0xd2, 0xa6,
-                                      0xab, 0xf7, 0x15, 0x88, 0x09, 0xcf, 0x4f, 0x3c};
 static cmac_key key;
-static guard runtime, device;
+static auth_gate runtime, device;
 static char lines[1 << 20];
 static char words[1 << 16]; /* what was said */
 static candump_log log_;
 static unseal_counts counts;
 
-static void begin(guard_form form) {
+static void begin(auth_gate_form form) {
   lines[0] = 0;
-  guard_init(&runtime, &key, form, GUARD_RUNTIME, 0, 3);
-  guard_init(&device, &key, form, GUARD_DEVICE, 0, 0);
+  auth_gate_init(&runtime, &key, form, AUTH_GATE_RUNTIME, 0, 3);
+  auth_gate_init(&device, &key, form, AUTH_GATE_DEVICE, 0, 0);
 }
 
 static void say(const frame *f) {
@@ -40,7 +39,7 @@ static frame pose(uint32_t hand, uint32_t counter, int x) {
 
 static frame sealed_pose(uint32_t hand, uint32_t counter, int x) {
   frame f = pose(hand, counter, x);
-  CHECK(guard_seal(&device, &f));
+  CHECK(auth_gate_seal(&device, &f));
   return f;
 }
 
@@ -48,7 +47,7 @@ static frame sealed_force(uint32_t hand, uint32_t tick) {
   frame f;
   const codec_force force = {0, 0, 0, (uint8_t)(tick & 15u), 0};
   codec_encode_force(&f, 0, hand, &force);
-  CHECK(guard_seal(&runtime, &f));
+  CHECK(auth_gate_seal(&runtime, &f));
   return f;
 }
 
@@ -67,7 +66,7 @@ static FILE *open_words(void) {
 static void unseal(uint32_t hands) {
   parse();
   FILE *out = open_words();
-  if (device.form == GUARD_FD)
+  if (device.form == AUTH_GATE_FD)
     unseal_fd("x.log", &log_, &key, 0, &counts, out);
   else
     unseal_classic("x.log", &log_, &key, 0, hands, &counts, out);
@@ -75,7 +74,7 @@ static void unseal(uint32_t hands) {
 }
 
 static void frames_are_named_by_their_line(void) {
-  begin(GUARD_FD);
+  begin(AUTH_GATE_FD);
   frame first = sealed_pose(0, 1, 7), f = first;
   say(&first);                            /* 1 */
   f.data[2] ^= 1;
@@ -115,7 +114,7 @@ static void frames_are_named_by_their_line(void) {
 }
 
 static void many_notes_end_with_a_count(void) {
-  begin(GUARD_FD);
+  begin(AUTH_GATE_FD);
   for (int n = 0; n < 20; ++n) {
     frame f = pose(0, (uint32_t)n, 0);
     say(&f);
@@ -130,12 +129,12 @@ static void many_notes_end_with_a_count(void) {
 
 /* The operator's COMMANDs and the runtime's own are two lanes. */
 static void two_senders_of_commands(void) {
-  begin(GUARD_FD);
+  begin(AUTH_GATE_FD);
   for (uint32_t n = 0; n < 4; ++n) {
     frame f;
-    const codec_command command = {(uint8_t)(n + 1), FRAY_VERB_STOP, 0};
+    const codec_command command = {(uint8_t)(n + 1), FRAY_COMMAND_STOP, 0};
     codec_encode_command(&f, 0, &command);
-    CHECK(guard_seal(n % 2 == 0 ? &device : &runtime, &f));
+    CHECK(auth_gate_seal(n % 2 == 0 ? &device : &runtime, &f));
     say(&f);
   }
   unseal(3);
@@ -146,7 +145,7 @@ static void two_senders_of_commands(void) {
 
 static void which_form(void) {
   frame f;
-  begin(GUARD_FD);
+  begin(AUTH_GATE_FD);
   f = sealed_force(0, 0);
   say(&f);
   for (uint32_t n = 0; n < 9; ++n) { /* a flood cannot make it look plain */
@@ -157,10 +156,10 @@ static void which_form(void) {
   CHECK_EQ_INT(unseal_is_fd(&log_, 0), 1);
   CHECK_EQ_INT(unseal_is_fd(&log_, 1), 0);
   candump_free(&log_);
-  begin(GUARD_CLASSIC);
+  begin(AUTH_GATE_CLASSIC);
   codec_encode_force(&f, 0, 0, &(codec_force){0, 0, 0, 0, 0});
   say(&f);
-  begin(GUARD_FD);
+  begin(AUTH_GATE_FD);
   parse();
   CHECK_EQ_INT(unseal_is_fd(&log_, 0), 0);
   candump_free(&log_);
@@ -172,7 +171,7 @@ static void say_group(uint32_t first, int spoilt) {
   for (uint32_t n = 0; n < 4; ++n) {
     frame f = pose(0, first + n, (int)first), tag;
     say(&f);
-    if (!guard_tag(&device, &f, &tag)) continue;
+    if (!auth_gate_tag(&device, &f, &tag)) continue;
     if (spoilt) tag.data[7] ^= 1;
     say(&tag);
   }
@@ -185,12 +184,12 @@ static void say_tick(uint32_t tick, uint8_t reset) {
   if (!reset) return;
   frame p = pose(0, tick, 1234); /* comes between the SYNC and its ACK: after the RESET */
   say(&p);
-  codec_encode_ack(&f, 0, &(codec_ack){1, FRAY_VERB_RESET, FRAY_RESULT_OK, tick});
+  codec_encode_ack(&f, 0, &(codec_ack){1, FRAY_COMMAND_RESET, FRAY_RESULT_OK, tick});
   say(&f);
 }
 
 static void failed_lanes(void) {
-  begin(GUARD_CLASSIC);
+  begin(AUTH_GATE_CLASSIC);
   device.group[0].last = 0x54320; /* the upper half is found */
   say_group(1, 0);
   for (uint32_t n = 1; n < 4; ++n) say_group(4 * n + 1, 1);
@@ -212,7 +211,7 @@ static void failed_lanes(void) {
   for (size_t n = 0; n < log_.count; ++n) (void)codec_decode_pose(&log_.entries[n].frame, 0, 0, &last);
   CHECK_EQ_INT(last.x, 1234);
   candump_free(&log_);
-  begin(GUARD_CLASSIC);
+  begin(AUTH_GATE_CLASSIC);
   for (uint32_t n = 0; n < 4; ++n) say_group(4 * n + 1, 1);
   unseal(2); /* nobody uses that hand */
   CHECK_TEXT(words, "");
@@ -221,12 +220,12 @@ static void failed_lanes(void) {
 
 /* A RESET lets the failed lane begin anew; the other one is in the middle of its four. */
 static void a_reset_of_one_lane(void) {
-  begin(GUARD_CLASSIC);
+  begin(AUTH_GATE_CLASSIC);
   for (uint32_t n = 0; n < 3; ++n) say_group(4 * n + 1, 1);
   for (uint32_t n = 1; n <= 4; ++n) {
     frame f = pose(1, n, 0), tag;
     say(&f);
-    if (guard_tag(&device, &f, &tag)) say(&tag);
+    if (auth_gate_tag(&device, &f, &tag)) say(&tag);
     if (n == 2) say_tick(6, 1);
   }
   unseal(3);
@@ -251,7 +250,7 @@ static void with_and_without_a_key(void) {
   char path[] = "/tmp/fray_unseal_XXXXXX";
   const int out = mkstemp(path);
   if (out < 0 || write(out, "2b7e151628aed2a6abf7158809cf4f3c\n", 33) != 33 || close(out) != 0) exit(1);
-  begin(GUARD_FD);
+  begin(AUTH_GATE_FD);
   frame f = sealed_force(0, 0);
   say(&f);
   CHECK_TEXT(says(path), "");
@@ -266,7 +265,7 @@ static void with_and_without_a_key(void) {
   say(&f);
   CHECK(strstr(says(path), "nothing of instance 0 has a tag, expected a recording under a key") != NULL);
   CHECK_TEXT(says(NULL), "");
-  begin(GUARD_CLASSIC);
+  begin(AUTH_GATE_CLASSIC);
   say_group(1, 0);
   CHECK_TEXT(says(NULL), "");
   CHECK_TEXT(words, "x.log: its TAGs are not checked without --key FILE\n");
@@ -279,7 +278,7 @@ static void with_and_without_a_key(void) {
 }
 
 int main(void) {
-  cmac_key_init(&key, KEY_BYTES);
+  cmac_key_init(&key, RFC4493_KEY);
   TEST(frames_are_named_by_their_line);
   TEST(many_notes_end_with_a_count);
   TEST(two_senders_of_commands);

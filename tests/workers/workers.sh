@@ -52,7 +52,7 @@ refuses() { # WORDS OPTIONS...
 }
 
 every_scene() {
-  "$FRAY" hand -o "$work/small.log" tests/cross/small.hand
+  "$FRAY" hand -o "$work/small.log" tests/determinism/small.hand
   verify two_hands 200 2 4 8
   verify small 500 2 4 8
   verify mirror 300 2 4 8
@@ -75,18 +75,19 @@ race() {
     return
   fi
   thread="BUILD=$FRAY_BUILD/thread CC=clang OPT=-O1 EXTRA=-fsanitize=thread"
-  team=$FRAY_BUILD/thread/tests/unit/test_team
+  program=$FRAY_BUILD/thread/tests/unit/test_workers
   # shellcheck disable=SC2086
-  suite_make $thread "$team" "$FRAY_BUILD/thread/fray"
+  suite_make $thread "$program" "$FRAY_BUILD/thread/fray"
   export TSAN_OPTIONS=halt_on_error=1
-  if "$team" >"$work/said" 2>&1; then pass; else fail "test_team: $(grep -v '^$' "$work/said" | head -n 20)"; fi
+  if "$program" >"$work/said" 2>&1; then pass; else fail "test_workers: $(grep -v '^$' "$work/said" | head -n 20)"; fi
   FRAY=$FRAY_BUILD/thread/fray
   verify mirror 120 2 4
   verify bars_apart 6 2
-  sed 's/(block - s->from\[worker\]) + 1u;/(block - s->from[worker]);/' rt/share/order.c >"$work/order.c"
-  if cmp -s rt/share/order.c "$work/order.c"; then fail "nothing was changed in a copy of order.c"; return; fi
+  sed 's/(block - par->block_from\[worker\]) + 1u;/(block - par->block_from[worker]);/' \
+    rt/workers/schedule.c >"$work/schedule.c"
+  if cmp -s rt/workers/schedule.c "$work/schedule.c"; then fail "nothing was changed in a copy of schedule.c"; return; fi
   # shellcheck disable=SC2046
-  clang -std=gnu11 -O1 -g -fsanitize=thread -I. "$work/order.c" tests/unit/test_team.c \
+  clang -std=gnu11 -O1 -g -fsanitize=thread -I. "$work/schedule.c" tests/unit/test_workers.c \
     "$FRAY_BUILD/thread/libtools.a" "$FRAY_BUILD/thread/libfray.a" -lm -pthread -o "$work/race"
   if "$work/race" >"$work/said" 2>&1; then
     fail "the sanitizer sees no race where there is one"

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# bench.sh [OUT]: every scene through `fray bench`; OUT/bench.json has all figures, OUT/bench.md the
-# tables of the README. TICKS=N cuts every scene short, to try the script.
+# bench.sh [OUT [update]]: every scene through `fray bench`; OUT/bench.json has all figures, OUT/bench.md
+# tables; `update` writes those of the pages to tests/results.tsv. TICKS=N cuts every scene short, to try the script.
 set -eu
 FRAY=${FRAY:-build/fray}
 out=${1:-out}
@@ -61,3 +61,30 @@ rows() { sed -n "s/^$1 //p" "$parts/rows"; }
   rows sweep
 } >"$out/bench.md"
 echo "$out/bench.json, $out/bench.md"
+
+# `update`: the figures of the pages
+[ "${2:-}" = update ] || exit 0
+set_figure() { sh tests/results.sh set "$1" "$2" "$3" 'make bench UPDATE=update'; }
+key_of() { echo "$1" | sed 's/^ *//; s/ *$//; s/, [0-9]* x [0-9]*$//; s/^sheet /hanging /; s/ /_/g'; }
+rows tick | while IFS='|' read -r _ scene substeps kernel _ times _; do
+  key=bench.$(key_of "$scene")
+  set_figure "$key.substeps" "$(echo "$substeps" | tr -d ' ')" ''
+  set_figure "$key.$(echo "$kernel" | tr -d ' ')" "$(echo "$times" | tr -d ' ')" 'x real time'
+done
+rows projection | while IFS='|' read -r _ scene _ _ _ _ _ scalar avx2 avx512 _; do
+  case $scene in *'long runs'*) continue ;; esac
+  key=bench.$(key_of "$scene")
+  # each column: ns (ratio by ids, ratio in runs); the last kernel that ran has the ratios
+  for kernel in scalar avx2 avx512; do
+    eval "column=\$$kernel"
+    # shellcheck disable=SC2086,SC2154
+    set -- $(echo "$column" | tr -d '(),')
+    [ "${1:--}" != - ] || continue
+    set_figure "$key.ns.$kernel" "$1" ns
+    [ $# -lt 3 ] || { set_figure "$key.by_ids" "$2" ''; set_figure "$key.in_runs" "$3" ''; }
+  done
+done
+sed -n 's/^line [a-z0-9]*: \([0-9.]*\) ns.*R2 \([0-9.]*\)$/\1 \2/p' "$parts/rows" | tail -n 1 | while read -r ns r2; do
+  set_figure bench.growth.ns_a_crossing_and_tick_1k_to_250k_crossings.value "$ns" ns
+  set_figure bench.growth.r2_of_the_line.value "$r2" ''
+done

@@ -4,17 +4,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "rt/model/world.h"
+#include "rt/state/world.h"
 #include "tools/bench/float_avx2.h"
 
 enum { LANES = 8, RUN_LEAST = 4 /* shorter ones are faster by ids */ };
 
 /* How many of the rows, from the first on, are one run. */
 static uint32_t run_length(const fray_world *w, const uint32_t *rows, uint32_t count) {
-  const uint32_t i = w->row_i[rows[0]];
-  const uint32_t j = w->row_j[rows[0]];
+  const uint32_t i = w->woven.spring_i[rows[0]];
+  const uint32_t j = w->woven.spring_j[rows[0]];
   uint32_t n = 1;
-  while (i < j && n < count && w->row_i[rows[n]] == i + n && w->row_j[rows[n]] == j + n) ++n;
+  while (i < j && n < count && w->woven.spring_i[rows[n]] == i + n && w->woven.spring_j[rows[n]] == j + n) ++n;
   return n;
 }
 
@@ -31,9 +31,9 @@ static float_piece *add_piece(float_arrays *f, uint32_t first, int held, int run
 
 static void add_row(float_arrays *f, const fray_world *w, uint32_t row, float_piece *p) {
   const uint32_t at = p->first + p->count++;
-  const float rest = (float)w->links[w->row_class[row] & ROW_CLASS].rest * 0x1p-24f;
-  f->i[at] = w->row_i[row];
-  f->j[at] = w->row_j[row];
+  const float rest = (float)w->woven.link_classes[w->woven.spring_kind[row] & SPRING_CLASS].rest * 0x1p-24f;
+  f->i[at] = w->woven.spring_i[row];
+  f->j[at] = w->woven.spring_j[row];
   f->reach[at] = p->held ? rest : 0.5f * rest;
 }
 
@@ -44,10 +44,10 @@ static uint32_t take_runs(float_arrays *f, const fray_world *w, const uint32_t *
     length = run_length(w, rows + n, count - n);
     if (length < RUN_LEAST) continue;
     float_piece *p = add_piece(f, first, held, 1);
-    p->i = w->row_i[rows[n]];
-    p->j = w->row_j[rows[n]];
+    p->i = w->woven.spring_i[rows[n]];
+    p->j = w->woven.spring_j[rows[n]];
     for (uint32_t k = 0; k < length; ++k) add_row(f, w, rows[n + k], p);
-    f->rows_in_runs += length;
+    f->springs_in_runs += length;
     first += whole(length);
   }
   return first;
@@ -75,12 +75,12 @@ static uint32_t take_others(float_arrays *f, const fray_world *w, const uint32_t
 static void take_batches(float_arrays *f, const fray_world *w, uint32_t *rows) {
   uint32_t first = 0;
   for (uint32_t b = 0; b < (uint32_t)w->params->link_batches; ++b) {
-    const row_batch *batch = &w->batches[b];
-    const int held = batch->held == BATCH_HELD;
+    const spring_batch *batch = &w->woven.batches[b];
+    const int held = batch->attached == BATCH_ATTACHED;
     uint32_t count = 0;
-    if (batch->held == BATCH_IDLE) continue;
+    if (batch->attached == BATCH_INACTIVE) continue;
     for (int32_t n = 0; n < batch->count; ++n)
-      if (w->row_class[batch->first + n] != ROW_DEAD) rows[count++] = (uint32_t)(batch->first + n);
+      if (w->woven.spring_kind[batch->first + n] != SPRING_DEAD) rows[count++] = (uint32_t)(batch->first + n);
     first = take_runs(f, w, rows, count, held, first);
     first = take_others(f, w, rows, count, held, first);
     f->rows += count;
@@ -92,8 +92,8 @@ int float_arrays_open(float_arrays *f, const fray_world *w) {
   const size_t pieces = links / RUN_LEAST + (size_t)w->params->link_batches + 1;
   const size_t room = (links + pieces * LANES) / LANES * LANES;
   memset(f, 0, sizeof *f);
-  f->particles = w->particles;
-  /* behind the last particle: two that rows of nobody join, and lanes that a run does not use */
+  f->particles = w->p.count;
+  /* behind the last particle: two that only padding springs join, and lanes that a run does not use */
   const size_t bytes = whole(f->particles + 2 + LANES) * sizeof(float);
   uint32_t *rows = malloc(links * sizeof *rows);
   f->x = aligned_alloc(32, bytes);
@@ -118,9 +118,9 @@ int float_arrays_open(float_arrays *f, const fray_world *w) {
 
 void float_arrays_restore(float_arrays *f, const fray_world *w) {
   for (uint32_t n = 0; n < f->particles; ++n) {
-    f->x[n] = (float)w->x[n] * 0x1p-24f;
-    f->y[n] = (float)w->y[n] * 0x1p-24f;
-    f->z[n] = (float)w->z[n] * 0x1p-24f;
+    f->x[n] = (float)w->p.x[n] * 0x1p-24f;
+    f->y[n] = (float)w->p.y[n] * 0x1p-24f;
+    f->z[n] = (float)w->p.z[n] * 0x1p-24f;
   }
   f->x[f->particles + 1] = f->x[f->particles] + 1.0f;
 }
@@ -222,7 +222,7 @@ AVX2_INLINE void sweep_ids(const float_arrays *f, const float_piece *p, int held
   }
 }
 
-AVX2_TARGET void float_arrays_sweep(float_arrays *f) {
+AVX2_TARGET void float_arrays_iterate(float_arrays *f) {
   for (uint32_t n = 0; n < f->piece_count; ++n) {
     const float_piece *p = &f->pieces[n];
     if (p->run && p->held) sweep_run(f, p, 1);
@@ -232,5 +232,5 @@ AVX2_TARGET void float_arrays_sweep(float_arrays *f) {
   }
 }
 #else
-void float_arrays_sweep(float_arrays *f) { (void)f; }
+void float_arrays_iterate(float_arrays *f) { (void)f; }
 #endif

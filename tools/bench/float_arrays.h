@@ -5,8 +5,8 @@
  * by lane, which is faster than the gather instruction. Rows between held particles and dead ones
  * are left out when it is opened, and a held end is not stored. Like the plain loop it projects in
  * full both ways and does not look for coincident ends. */
-#ifndef FRAY_BENCH_FLOAT_ARRAYS_H
-#define FRAY_BENCH_FLOAT_ARRAYS_H
+#ifndef FRAY_TOOLS_BENCH_FLOAT_ARRAYS_H
+#define FRAY_TOOLS_BENCH_FLOAT_ARRAYS_H
 
 #include <stdint.h>
 
@@ -15,7 +15,7 @@
 /* Rows of one batch: a run (the ends count up by one from i and j), or rows by their ids. */
 typedef struct {
   uint32_t first; /* in `reach`; and in `i` and `j`, where it is no run */
-  uint32_t count; /* those by ids are filled up to whole eights with rows of nobody */
+  uint32_t count; /* those by ids are filled up to whole eights with padding */
   uint32_t i, j;
   uint8_t run, held;
 } float_piece;
@@ -26,12 +26,12 @@ typedef struct {
   float *reach; /* half the rest length; all of it where end i is held */
   float_piece *pieces;
   uint32_t particles, piece_count;
-  uint32_t rows, rows_in_runs;
+  uint32_t rows, springs_in_runs;
 } float_arrays;
 
 int float_arrays_open(float_arrays *f, const fray_world *world);
 void float_arrays_restore(float_arrays *f, const fray_world *world); /* its positions */
-void float_arrays_sweep(float_arrays *f);
+void float_arrays_iterate(float_arrays *f);
 void float_arrays_close(float_arrays *f);
 
 #endif

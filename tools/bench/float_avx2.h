@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What the AVX2 loops share: an approximate root and a Newton step, which was never slower than a
  * root and a division. */
-#ifndef FRAY_BENCH_FLOAT_AVX2_H
-#define FRAY_BENCH_FLOAT_AVX2_H
+#ifndef FRAY_TOOLS_BENCH_FLOAT_AVX2_H
+#define FRAY_TOOLS_BENCH_FLOAT_AVX2_H
 
 #if defined(__x86_64__) || defined(__i386__)
 #define FLOAT_AVX2 1

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 /* Which of four passes takes a link. */
-static uint32_t colour(fray_sheet s, uint32_t home) {
+static uint32_t colour(fray_weave s, uint32_t home) {
   const uint32_t across = s.wefts * (s.warps - 1);
   if (home < across) return home % (s.warps - 1) % 2;
   return 2 + (home - across) / s.warps % 2;
@@ -13,13 +13,13 @@ static uint32_t colour(fray_sheet s, uint32_t home) {
 
 /* Row of each canonical link. */
 static void sort_rows(const fray_world *w, uint32_t *row_of) {
-  const uint32_t rows = fray_describe(w).rows[FRAY_STRUCTURAL];
+  const uint32_t rows = fray_get_info(w).springs[FRAY_STRUCTURAL];
   for (uint32_t n = 0; n < rows; ++n)
-    row_of[fray_view_row(w, FRAY_STRUCTURAL, n).home] = n;
+    row_of[fray_view_spring(w, FRAY_STRUCTURAL, n).id] = n;
 }
 
 static void take_row(float_loop *f, const fray_world *w, uint32_t row, uint32_t held) {
-  const fray_row r = fray_view_row(w, FRAY_STRUCTURAL, row);
+  const fray_spring r = fray_view_spring(w, FRAY_STRUCTURAL, row);
   if (!r.alive || (r.i < held && r.j < held)) return;
   f->i[f->rows] = r.i;
   f->j[f->rows] = r.j;
@@ -28,9 +28,9 @@ static void take_row(float_loop *f, const fray_world *w, uint32_t row, uint32_t 
 
 static void take_rows(float_loop *f, const fray_world *w, const uint32_t *row_of,
                       float_order order) {
-  const fray_sheet s = fray_view_sheet(w);
-  const uint32_t rows = fray_describe(w).rows[FRAY_STRUCTURAL];
-  const uint32_t held = fray_view_particles(w).held;
+  const fray_weave s = fray_view_weave(w);
+  const uint32_t rows = fray_get_info(w).springs[FRAY_STRUCTURAL];
+  const uint32_t held = fray_view_particles(w).attached;
   for (uint32_t pass = 0; pass < (order == FLOAT_COLOURED ? 4u : 1u); ++pass)
     for (uint32_t n = 0; n < rows; ++n) {
       if (order == FLOAT_COLOURED && colour(s, n) != pass) continue;
@@ -40,7 +40,7 @@ static void take_rows(float_loop *f, const fray_world *w, const uint32_t *row_of
 
 int float_loop_open(float_loop *f, const fray_world *w, float_order order) {
   const fray_particles p = fray_view_particles(w);
-  const uint32_t rows = fray_describe(w).rows[FRAY_STRUCTURAL];
+  const uint32_t rows = fray_get_info(w).springs[FRAY_STRUCTURAL];
   uint32_t *row_of = malloc(rows * sizeof *row_of);
   f->particles = malloc(p.count * sizeof *f->particles);
   f->i = malloc(rows * sizeof *f->i);
@@ -61,10 +61,10 @@ void float_loop_restore(float_loop *f, const fray_world *w) {
   const fray_particles p = fray_view_particles(w);
   for (uint32_t n = 0; n < p.count; ++n)
     f->particles[n] = (float_particle){(float)p.x[n] * 0x1p-24f, (float)p.y[n] * 0x1p-24f,
-                                       (float)p.z[n] * 0x1p-24f, n < p.held ? 0.0f : 1.0f};
+                                       (float)p.z[n] * 0x1p-24f, n < p.attached ? 0.0f : 1.0f};
 }
 
-void float_loop_sweep(float_loop *f) {
+void float_loop_iterate(float_loop *f) {
   for (uint32_t n = 0; n < f->rows; ++n) {
     float_particle *a = &f->particles[f->i[n]];
     float_particle *b = &f->particles[f->j[n]];

@@ -3,8 +3,8 @@
  * the other, on an array of structures. PLAIN takes them in the grid's order, COLOURED in four
  * colours (even and odd links of wefts and warps), so that neighbours do not wait for each other,
  * BATCHED in the world's own order. */
-#ifndef FRAY_BENCH_FLOAT_LOOP_H
-#define FRAY_BENCH_FLOAT_LOOP_H
+#ifndef FRAY_TOOLS_BENCH_FLOAT_LOOP_H
+#define FRAY_TOOLS_BENCH_FLOAT_LOOP_H
 
 #include <stdint.h>
 
@@ -25,7 +25,7 @@ typedef struct {
 
 int float_loop_open(float_loop *f, const fray_world *world, float_order order);
 void float_loop_restore(float_loop *f, const fray_world *world); /* its positions */
-void float_loop_sweep(float_loop *f);
+void float_loop_iterate(float_loop *f);
 void float_loop_close(float_loop *f);
 
 #endif

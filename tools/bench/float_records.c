@@ -4,10 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "rt/model/world.h"
+#include "rt/state/world.h"
 #include "tools/bench/float_avx2.h"
 
-enum { LANES = 8, NOBODY = 2 /* particles that rows of nobody join */ };
+enum { LANES = 8, NOBODY = 2 /* particles of padding springs */ };
 
 static void add_row(float_records *f, uint32_t at, uint32_t i, uint32_t j, float reach) {
   f->i[at] = i;
@@ -15,15 +15,15 @@ static void add_row(float_records *f, uint32_t at, uint32_t i, uint32_t j, float
   f->reach[at] = reach;
 }
 
-static uint32_t take_batch(float_records *f, const fray_world *w, const row_batch *b, uint32_t at) {
-  const int held = b->held == BATCH_HELD;
+static uint32_t take_batch(float_records *f, const fray_world *w, const spring_batch *b, uint32_t at) {
+  const int held = b->attached == BATCH_ATTACHED;
   float_batch *batch = &f->batches[f->batch_count++];
   batch->first = at;
   batch->held = held;
   for (uint32_t row = (uint32_t)b->first; row < (uint32_t)(b->first + b->count); ++row) {
-    const float rest = (float)w->links[w->row_class[row] & ROW_CLASS].rest * 0x1p-24f;
-    if (w->row_class[row] == ROW_DEAD) continue;
-    add_row(f, at++, w->row_i[row], w->row_j[row], held ? rest : 0.5f * rest);
+    const float rest = (float)w->woven.link_classes[w->woven.spring_kind[row] & SPRING_CLASS].rest * 0x1p-24f;
+    if (w->woven.spring_kind[row] == SPRING_DEAD) continue;
+    add_row(f, at++, w->woven.spring_i[row], w->woven.spring_j[row], held ? rest : 0.5f * rest);
     ++f->rows;
   }
   while (at % LANES != 0) add_row(f, at++, f->particle_count, f->particle_count + 1, 0.5f);
@@ -35,7 +35,7 @@ int float_records_open(float_records *f, const fray_world *w) {
   const size_t batches = (size_t)w->params->link_batches;
   const size_t room = ((size_t)w->params->links + batches * LANES) / LANES * LANES + LANES;
   memset(f, 0, sizeof *f);
-  f->particle_count = w->particles;
+  f->particle_count = w->p.count;
   f->particles = aligned_alloc(16, (f->particle_count + NOBODY) * 4 * sizeof(float));
   f->i = malloc(room * sizeof *f->i);
   f->j = malloc(room * sizeof *f->j);
@@ -44,7 +44,7 @@ int float_records_open(float_records *f, const fray_world *w) {
   if (!f->particles || !f->i || !f->j || !f->reach || !f->batches) return 0;
   uint32_t at = 0;
   for (size_t b = 0; b < batches; ++b)
-    if (w->batches[b].held != BATCH_IDLE) at = take_batch(f, w, &w->batches[b], at);
+    if (w->woven.batches[b].attached != BATCH_INACTIVE) at = take_batch(f, w, &w->woven.batches[b], at);
   float_records_restore(f, w);
   return 1;
 }
@@ -52,9 +52,9 @@ int float_records_open(float_records *f, const fray_world *w) {
 void float_records_restore(float_records *f, const fray_world *w) {
   for (uint32_t n = 0; n < f->particle_count; ++n) {
     float *p = f->particles + (size_t)n * 4;
-    p[0] = (float)w->x[n] * 0x1p-24f;
-    p[1] = (float)w->y[n] * 0x1p-24f;
-    p[2] = (float)w->z[n] * 0x1p-24f;
+    p[0] = (float)w->p.x[n] * 0x1p-24f;
+    p[1] = (float)w->p.y[n] * 0x1p-24f;
+    p[2] = (float)w->p.z[n] * 0x1p-24f;
     p[3] = 0;
   }
   for (uint32_t n = 0; n < NOBODY * 4; ++n)
@@ -128,7 +128,7 @@ AVX2_INLINE void sweep_batch(float_records *f, const float_batch *batch, int hel
   }
 }
 
-AVX2_TARGET void float_records_sweep(float_records *f) {
+AVX2_TARGET void float_records_iterate(float_records *f) {
   for (uint32_t n = 0; n < f->batch_count; ++n)
     if (f->batches[n].held)
       sweep_batch(f, &f->batches[n], 1);
@@ -137,5 +137,5 @@ AVX2_TARGET void float_records_sweep(float_records *f) {
 }
 #else
 int float_avx2_able(void) { return 0; }
-void float_records_sweep(float_records *f) { (void)f; }
+void float_records_iterate(float_records *f) { (void)f; }
 #endif

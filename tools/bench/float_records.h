@@ -4,15 +4,15 @@
  * an end is one load and one store; differences are transposed, positions never are. Rows between
  * held particles and dead ones are left out when it is opened, and a held end is not stored. Like
  * the plain loop it projects in full both ways and does not look for coincident ends. */
-#ifndef FRAY_BENCH_FLOAT_RECORDS_H
-#define FRAY_BENCH_FLOAT_RECORDS_H
+#ifndef FRAY_TOOLS_BENCH_FLOAT_RECORDS_H
+#define FRAY_TOOLS_BENCH_FLOAT_RECORDS_H
 
 #include <stdint.h>
 
 #include "rt/fray.h"
 
 typedef struct {
-  uint32_t first, end; /* whole eights, the last filled up with rows of nobody */
+  uint32_t first, end; /* whole eights, the last filled up with padding */
   int held;
 } float_batch;
 
@@ -28,7 +28,7 @@ int float_avx2_able(void); /* this machine has AVX2 and FMA */
 
 int float_records_open(float_records *f, const fray_world *world);
 void float_records_restore(float_records *f, const fray_world *world); /* its positions */
-void float_records_sweep(float_records *f);
+void float_records_iterate(float_records *f);
 void float_records_close(float_records *f);
 
 #endif

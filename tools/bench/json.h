@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* JSON, written in one pass: every value with its key, or NULL in a list. A figure that is no
  * number becomes null. */
-#ifndef FRAY_BENCH_JSON_H
-#define FRAY_BENCH_JSON_H
+#ifndef FRAY_TOOLS_BENCH_JSON_H
+#define FRAY_TOOLS_BENCH_JSON_H
 
 #include <stdio.h>
 

@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "platform/linux/cpu.h"
-#include "rt/model/world.h"
-#include "tools/kernel.h"
+#include "rt/state/world.h"
+#include "tools/world/kernel.h"
 
 int kernels_find(kernels *k, fray_world *w, const char *name) {
   const fray_kernel own = w->kernel;
@@ -17,21 +17,21 @@ int kernels_find(kernels *k, fray_world *w, const char *name) {
     k->list[k->count++] = w->kernel;
   } else {
     for (fray_kernel n = FRAY_KERNEL_SCALAR; n <= FRAY_KERNEL_HELIUM; ++n)
-      if (cpu_has(n) && fray_use(w, n)) k->list[k->count++] = n;
+      if (cpu_has(n) && fray_set_kernel(w, n)) k->list[k->count++] = n;
   }
-  fray_use(w, own);
+  fray_set_kernel(w, own);
   return good;
 }
 
 fray_kernel kernels_fastest(const kernels *k) { return k->list[k->count - 1]; }
 
-int world_again(const struct opened *from, struct opened *to) {
+int kernels_reopen_world(const struct world_file *from, struct world_file *to) {
   memset(to, 0, sizeof *to);
   to->image = malloc(from->image_bytes);
   if (to->image == NULL) return 0;
   memcpy(to->image, from->image, from->image_bytes);
   to->image_bytes = from->image_bytes;
-  if (world_open_image("image", to, stderr) == 0) return 1;
-  world_close(to);
+  if (world_file_open_image("image", to, stderr) == 0) return 1;
+  world_file_close(to);
   return 0;
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The kernels that a bench runs, and worlds made again from the same image. */
-#ifndef FRAY_BENCH_KERNELS_H
-#define FRAY_BENCH_KERNELS_H
+#ifndef FRAY_TOOLS_BENCH_KERNELS_H
+#define FRAY_TOOLS_BENCH_KERNELS_H
 
-#include "tools/open.h"
+#include "tools/world/world_file.h"
 
 enum { KERNELS_MAX = 8 };
 
@@ -18,6 +18,6 @@ int kernels_find(kernels *k, fray_world *world, const char *name);
 fray_kernel kernels_fastest(const kernels *k);
 
 /* A second world from the image of the first, as it was at its start; 0 iff memory is out. */
-int world_again(const struct opened *from, struct opened *to);
+int kernels_reopen_world(const struct world_file *from, struct world_file *to);
 
 #endif

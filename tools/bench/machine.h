@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What figures belong to: the processor's own name, and the compiler. */
-#ifndef FRAY_BENCH_MACHINE_H
-#define FRAY_BENCH_MACHINE_H
+#ifndef FRAY_TOOLS_BENCH_MACHINE_H
+#define FRAY_TOOLS_BENCH_MACHINE_H
 
 typedef struct {
   char processor[96]; /* of /proc/cpuinfo; "unknown" where it does not say */

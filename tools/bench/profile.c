@@ -11,7 +11,7 @@ enum { EACH_SUBSTEP = 4, ONCE_A_TICK = TIMED_COUNT - EACH_SUBSTEP }; /* stages *
 #define LONG_STAGE_NS 5e4 /* a look at the thread's own time is a system call, up to 1 us */
 
 typedef struct {
-  struct opened opened;
+  struct world_file world_file;
   float *stage_ns; /* least of the runs: ticks x TIMED_COUNT */
   float *tick_ns;  /* likewise */
   uint32_t *work;
@@ -23,7 +23,7 @@ typedef struct {
 } track;
 
 static uint32_t counted(const fray_work *k) {
-  return k->predictions + k->projections + k->springs + k->contacts + k->tear_tests + k->cuts;
+  return k->particle_steps + k->projections + k->springs + k->contacts + k->tear_tests + k->tears;
 }
 
 static float less(float a, double b) { return (double)a < b ? a : (float)b; }
@@ -53,7 +53,7 @@ static void run_tick(track *t, const fray_input *input, uint32_t tick, uint32_t 
   timed_by_cpu = t->by_cpu;
   const double cpu_before = timed_cpu_ns();
   const double before = timed_now_ns();
-  timed_tick(t->opened.world, input, &out);
+  timed_tick(t->world_file.world, input, &out);
   const double wall_ns = timed_now_ns() - before;
   const double cpu_ns = timed_cpu_ns() - cpu_before;
   const int interrupted = wall_ns > cpu_ns * INTERRUPTED;
@@ -90,14 +90,14 @@ static int take_run(const session *s, const kernels *k, uint32_t ticks, track *t
                     uint32_t run) {
   int good = 1;
   for (uint32_t n = 0; n < k->count; ++n) {
-    good = good && world_again(&s->opened, &tracks[n].opened);
-    if (good) fray_use(tracks[n].opened.world, k->list[n]);
+    good = good && kernels_reopen_world(&s->world_file, &tracks[n].world_file);
+    if (good) fray_set_kernel(tracks[n].world_file.world, k->list[n]);
   }
   for (uint32_t first = 0; good && first < ticks; first += CHUNK)
     for (uint32_t n = 0; n < k->count; ++n)
       for (uint32_t tick = first; tick < ticks && tick < first + CHUNK; ++tick)
         run_tick(&tracks[n], session_input(s, tick), tick, run);
-  for (uint32_t n = 0; n < k->count; ++n) world_close(&tracks[n].opened);
+  for (uint32_t n = 0; n < k->count; ++n) world_file_close(&tracks[n].world_file);
   return good;
 }
 
@@ -120,7 +120,7 @@ static void sum_up(track *t, const session *s, uint32_t ticks, profile *p) {
   p->ticks = ticks;
   p->rate_hz = s->facts.rate_hz;
   p->substeps = s->facts.substeps;
-  p->tick_ns = (spread){total / ticks, spread_of(t->run_ns, RUNS).median / ticks};
+  p->tick_ns = (min_median){total / ticks, min_median_of(t->run_ns, RUNS).median / ticks};
   qsort(t->work, ticks, sizeof *t->work, by_size);
   p->work_median = t->work[ticks / 2];
   p->work_worst = t->work[ticks - 1];
@@ -147,4 +147,4 @@ double profile_share(const profile *p, double ns) {
   return 100 * ns / all_ns;
 }
 
-double profile_real_time(const profile *p) { return 1e9 / p->rate_hz / p->tick_ns.least; }
+double profile_real_time(const profile *p) { return 1e9 / p->rate_hz / p->tick_ns.min; }

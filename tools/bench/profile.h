@@ -2,18 +2,18 @@
 /* Time of ticks by stage. A run is made several times, with the same inputs: of each tick and stage
  * the least time counts, so that what interrupted one run is not in the figures. Where another
  * process took the processor within a tick, its time is that of the thread. */
-#ifndef FRAY_BENCH_PROFILE_H
-#define FRAY_BENCH_PROFILE_H
+#ifndef FRAY_TOOLS_BENCH_PROFILE_H
+#define FRAY_TOOLS_BENCH_PROFILE_H
 
 #include "tools/bench/kernels.h"
-#include "tools/bench/rounds.h"
+#include "tools/bench/min_median.h"
 #include "tools/bench/timed_tick.h"
-#include "tools/session.h"
+#include "tools/recording/session.h"
 
 typedef struct {
   fray_kernel kernel;
   uint32_t ticks, rate_hz, substeps;
-  spread tick_ns;               /* mean of a run's ticks: least tick by tick, median of the runs */
+  min_median tick_ns;               /* mean of a run's ticks: least tick by tick, median of the runs */
   double worst_ns;              /* the slowest tick, of the least */
   double stage_ns[TIMED_COUNT]; /* a tick */
   double projection_ns;         /* the strain stage by its projections */

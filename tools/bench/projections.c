@@ -4,7 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "rt/stage/stage.h"
+#include "rt/integrate/integrate.h"
+#include "rt/woven/woven.h"
 #include "tools/bench/float_arrays.h"
 #include "tools/bench/float_loop.h"
 #include "tools/bench/float_records.h"
@@ -27,25 +28,25 @@ typedef struct {
 } contest;
 
 static size_t axis_bytes(const fray_world *w) {
-  return (size_t)w->particles * sizeof *w->x;
+  return (size_t)w->p.count * sizeof *w->p.x;
 }
 
 static void restore(const contest *c) {
   fray_world *w = c->world;
-  const size_t count = (size_t)w->particles;
-  memcpy(w->x, c->start, axis_bytes(w));
-  memcpy(w->y, c->start + count, axis_bytes(w));
-  memcpy(w->z, c->start + 2 * count, axis_bytes(w));
+  const size_t count = (size_t)w->p.count;
+  memcpy(w->p.x, c->start, axis_bytes(w));
+  memcpy(w->p.y, c->start + count, axis_bytes(w));
+  memcpy(w->p.z, c->start + 2 * count, axis_bytes(w));
 }
 
 static int keep_start(contest *c) {
   const fray_world *w = c->world;
-  const size_t count = (size_t)w->particles;
+  const size_t count = (size_t)w->p.count;
   c->start = malloc(3 * axis_bytes(w));
   if (c->start == NULL) return 0;
-  memcpy(c->start, w->x, axis_bytes(w));
-  memcpy(c->start + count, w->y, axis_bytes(w));
-  memcpy(c->start + 2 * count, w->z, axis_bytes(w));
+  memcpy(c->start, w->p.x, axis_bytes(w));
+  memcpy(c->start + count, w->p.y, axis_bytes(w));
+  memcpy(c->start + 2 * count, w->p.z, axis_bytes(w));
   return 1;
 }
 
@@ -66,12 +67,12 @@ static void close_loops(contest *c) {
 
 static double time_fray(contest *c, fray_kernel kernel) {
   double ns = 0;
-  fray_use(c->world, kernel);
+  fray_set_kernel(c->world, kernel);
   c->world->work.projections = 0;
   for (uint32_t n = 0; n < c->sweeps; ++n) {
     restore(c);
     const double before = timed_now_ns();
-    strain_run(c->world);
+    strain_limit_apply(c->world);
     ns += timed_now_ns() - before;
   }
   restore(c);
@@ -89,11 +90,11 @@ static void restore_loop(contest *c, float_loop_name name) {
 
 static void sweep_loop(contest *c, float_loop_name name) {
   if (name == LOOP_RECORDS)
-    float_records_sweep(&c->records);
+    float_records_iterate(&c->records);
   else if (name == LOOP_ARRAYS)
-    float_arrays_sweep(&c->arrays);
+    float_arrays_iterate(&c->arrays);
   else
-    float_loop_sweep(&c->scalar[name]);
+    float_loop_iterate(&c->scalar[name]);
 }
 
 static double time_loop(contest *c, float_loop_name name) {
@@ -118,7 +119,7 @@ static double median_ratio(const double *fray, const double *loop) {
   double ratios[ROUNDS];
   for (uint32_t round = 0; round < ROUNDS; ++round)
     ratios[round] = loop[round] > 0 ? fray[round] / loop[round] : 0;
-  return spread_of(ratios, ROUNDS).median;
+  return min_median_of(ratios, ROUNDS).median;
 }
 
 static void run_rounds(contest *c, const kernels *k, projection_times *t) {
@@ -131,8 +132,8 @@ static void run_rounds(contest *c, const kernels *k, projection_times *t) {
   }
   for (uint32_t n = 0; n < k->count; ++n)
     for (uint32_t l = 0; l < LOOPS; ++l) t->ratio[n][l] = median_ratio(fray[n], loop[l]);
-  for (uint32_t n = 0; n < k->count; ++n) t->fray[n] = spread_of(fray[n], ROUNDS);
-  for (uint32_t n = 0; n < LOOPS; ++n) t->loop[n] = spread_of(loop[n], ROUNDS);
+  for (uint32_t n = 0; n < k->count; ++n) t->fray[n] = min_median_of(fray[n], ROUNDS);
+  for (uint32_t n = 0; n < LOOPS; ++n) t->loop[n] = min_median_of(loop[n], ROUNDS);
 }
 
 int projections_time(fray_world *w, const kernels *k, projection_times *t) {
@@ -140,11 +141,13 @@ int projections_time(fray_world *w, const kernels *k, projection_times *t) {
   memset(&c, 0, sizeof c);
   memset(t, 0, sizeof *t);
   c.world = w;
-  predict_run(w, 0);
+  bodies_advance(w, 0);
+  particles_advance(w);
+  particles_carry(w);
   int good = keep_start(&c);
   good &= open_loops(&c);
   t->rows = c.records.rows;
-  t->rows_in_runs = c.arrays.rows_in_runs;
+  t->springs_in_runs = c.arrays.springs_in_runs;
   good = good && t->rows > 0;
   if (good) {
     c.sweeps = ROWS_A_ROUND / t->rows + 1;
@@ -154,23 +157,23 @@ int projections_time(fray_world *w, const kernels *k, projection_times *t) {
   return good;
 }
 
-static int is_run(const fray_world *w, const row_batch *b) {
+static int is_run(const fray_world *w, const spring_batch *b) {
   int32_t runs = 1;
   for (int32_t row = b->first + 1; row < b->first + b->count; ++row)
-    if (w->row_i[row] != w->row_i[row - 1] + 1u || w->row_j[row] != w->row_j[row - 1] + 1u) ++runs;
+    if (w->woven.spring_i[row] != w->woven.spring_i[row - 1] + 1u || w->woven.spring_j[row] != w->woven.spring_j[row - 1] + 1u) ++runs;
   return b->count >= RUN_MEAN * runs;
 }
 
-uint32_t projections_keep_runs(struct opened *o) {
+uint32_t projections_keep_runs(struct world_file *o) {
   fray_world *w = o->world;
-  row_batch *batches = (row_batch *)(uintptr_t)w->batches; /* in o->image or o->memory: ours */
+  spring_batch *batches = (spring_batch *)(uintptr_t)w->woven.batches; /* in o->image or o->memory: ours */
   uint32_t rows = 0;
   for (int32_t n = 0; n < w->params->link_batches; ++n) {
-    if (batches[n].held == BATCH_IDLE) continue;
+    if (batches[n].attached == BATCH_INACTIVE) continue;
     if (is_run(w, &batches[n]))
       rows += (uint32_t)batches[n].count;
     else
-      batches[n].held = BATCH_IDLE;
+      batches[n].attached = BATCH_INACTIVE;
   }
   return rows;
 }

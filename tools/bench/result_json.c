@@ -2,7 +2,7 @@
 #include "rt/fray.h"
 #include "tools/bench/machine.h"
 #include "tools/bench/result.h"
-#include "tools/kernel.h"
+#include "tools/world/kernel.h"
 
 void machine_json(json *j) {
   const machine m = machine_here();
@@ -12,9 +12,9 @@ void machine_json(json *j) {
   json_text(j, "version", FRAY_VERSION);
 }
 
-static void put_spread(json *j, const char *key, spread s, double scale) {
+static void put_spread(json *j, const char *key, min_median s, double scale) {
   json_begin(j, key, '{');
-  json_number(j, "least", s.least * scale);
+  json_number(j, "least", s.min * scale);
   json_number(j, "median", s.median * scale);
   json_end(j, '}');
 }
@@ -30,10 +30,10 @@ static void put_projections(json *j, const char *key, const bench_result *r,
                             const projection_times *t) {
   json_begin(j, key, '{');
   json_count(j, "rows", t->rows);
-  json_count(j, "rows_in_runs", t->rows_in_runs);
+  json_count(j, "rows_in_runs", t->springs_in_runs);
   json_begin(j, "ns", '{');
   for (uint32_t loop = 0; loop < LOOPS; ++loop)
-    if (t->loop[loop].least > 0) put_spread(j, loop_keys[loop], t->loop[loop], 1);
+    if (t->loop[loop].min > 0) put_spread(j, loop_keys[loop], t->loop[loop], 1);
   for (uint32_t n = 0; n < r->kernels.count; ++n)
     put_spread(j, kernel_name(r->kernels.list[n]), t->fray[n], 1);
   json_end(j, '}');
@@ -63,6 +63,7 @@ void result_json(json *j, const bench_result *r) {
   const profile *first = &r->profiles[0];
   json_begin(j, NULL, '{');
   json_text(j, "scene", r->name);
+  if (r->triangles != 0) json_count(j, "triangles", r->triangles);
   json_count(j, "warps", r->warps);
   json_count(j, "wefts", r->wefts);
   json_count(j, "rate_hz", first->rate_hz);
@@ -87,12 +88,12 @@ static void put_line(json *j, const char *key, const line_fit *f) {
   json_end(j, '}');
 }
 
-void growth_json(json *j, const growth *g) {
+void scaling_json(json *j, const scaling *g) {
   json_begin(j, "sweep", '{');
   json_text(j, "kernel", kernel_name(g->kernel));
   json_begin(j, "sizes", '[');
-  for (uint32_t n = 0; n < GROWTH_SIZES; ++n) {
-    const growth_point *p = &g->points[n];
+  for (uint32_t n = 0; n < SCALING_SIZES; ++n) {
+    const scaling_point *p = &g->points[n];
     json_begin(j, NULL, '{');
     json_count(j, "warps", p->warps);
     json_count(j, "wefts", p->wefts);
@@ -104,7 +105,7 @@ void growth_json(json *j, const growth *g) {
     json_end(j, '}');
   }
   json_end(j, ']');
-  put_line(j, "line_least", &g->least);
+  put_line(j, "line_least", &g->min);
   put_line(j, "line_median", &g->median);
   json_end(j, '}');
 }

@@ -1,16 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* fray_tick() with a clock around every stage: the same source, compiled a second time. */
-#ifndef FRAY_BENCH_TIMED_TICK_H
-#define FRAY_BENCH_TIMED_TICK_H
+#ifndef FRAY_TOOLS_BENCH_TIMED_TICK_H
+#define FRAY_TOOLS_BENCH_TIMED_TICK_H
 
 #include "rt/fray.h"
 
 #define TIMED_STAGES(X) \
-  X(DEVICES, "devices") X(DAMP, "damp") X(SPRINGS, "springs") X(GATHER, "gather") X(STRESS, "stress") \
-  X(RIP, "rip") X(SLASH, "slash") X(WEIGH, "weigh") X(BLOW, "blow") X(LIMIT, "limit") \
-  X(PREDICT, "predict") X(STRAIN, "strain") X(SLIP, "slip") X(COLLIDE, "collide") X(MESHES, "meshes") \
-  X(TRANSITION, "transition") X(SPLIT, "split") X(SELVES, "selves") X(LAYERS, "layers") X(TEAR, "tear") \
-  X(CUT, "cut") X(FINISH, "finish") X(FORCE, "force") X(REPORT, "report and hash")
+  X(DEVICES, "devices") X(DAMP, "damping") X(BEND_SHEAR, "bend and shear") X(STRESS, "stress") \
+  X(MEMBRANE_TEAR, "membrane tear") X(BLADE_CUT, "blade cut") X(GAINS, "gains") X(WIND, "wind") \
+  X(GATHER, "broad phase") X(YARN_COLLISION, "yarn collision") \
+  X(TRIANGLE_COLLISION, "triangle collision") X(CONTACT_VERTICES, "rigid meshes") \
+  X(ADVANCE, "motion") X(ELASTIC, "elastic steps") X(STRAIN, "strain limit") \
+  X(EDGE_LIMIT, "edge limit") X(YARN_SLIP, "yarn slip") X(CONTACT_PRIMITIVES, "contacts") \
+  X(TRANSITION, "transitions") X(SPLIT, "splits") X(TEAR, "tear test") X(BREAK, "breaks") \
+  X(VELOCITY, "velocities") X(FORCE, "forces") X(REPORT, "report and hash")
 
 typedef enum {
 #define X(name, label) TIMED_##name,

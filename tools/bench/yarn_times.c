@@ -4,63 +4,63 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tools/bench/sheets.h"
+#include "tools/bench/woven_sample.h"
 #include "tools/bench/timed_tick.h"
-#include "tools/kernel.h"
-#include "tools/progress.h"
+#include "tools/world/kernel.h"
+#include "tools/terminal/progress.h"
 
-enum { GROWTH_ROUNDS = 2, LEVEL_ROUNDS = 3, TICKS = SHEET_TORN_TICKS, LEVELS = 2, LEVEL_WARPS = 120, LEVEL_WEFTS = 60 };
+enum { SCALING_ROUNDS = 2, LEVEL_ROUNDS = 3, TICKS = WOVEN_SAMPLE_TORN_TICKS, LEVELS = 2, LEVEL_WARPS = 120, LEVEL_WEFTS = 60 };
 
 /* Twice as wide as high: 1k to 40k crossings. */
 static const uint32_t heights[YARN_SIZES] = {22, 32, 45, 63, 84, 105, 122, 141};
 
 typedef struct {
   session first; /* as it begins */
-  struct opened now;
-  double least[TICKS];
+  struct world_file now;
+  double min[TICKS];
   uint32_t split[TICKS], cuts[TICKS];
-} torn_sheet;
+} torn_sample;
 
-static int open_torn(const char *kernel, uint32_t warps, uint32_t wefts, sheet_grips grips,
-                     const char *yarns, torn_sheet *sheet, fray_kernel *taken) {
+static int open_torn(const char *kernel, uint32_t warps, uint32_t wefts, woven_sample_bodies bodies,
+                     const char *yarns, torn_sample *sample, fray_kernel *taken) {
   kernels k;
-  if (!sheet_open_torn(warps, wefts, grips, yarns, &sheet->first)) return 1;
-  if (!kernels_find(&k, sheet->first.opened.world, kernel)) return 2;
+  if (!woven_sample_open_torn(warps, wefts, bodies, yarns, &sample->first)) return 1;
+  if (!kernels_find(&k, sample->first.world_file.world, kernel)) return 2;
   *taken = kernels_fastest(&k);
   return 0;
 }
 
-static void close_torn(torn_sheet *sheet) {
-  world_close(&sheet->now);
-  session_close(&sheet->first);
+static void close_torn(torn_sample *sample) {
+  world_file_close(&sample->now);
+  session_close(&sample->first);
 }
 
-static int begin_again(torn_sheet *sheet, fray_kernel kernel) {
-  world_close(&sheet->now);
-  if (!world_again(&sheet->first.opened, &sheet->now)) return 0;
-  fray_use(sheet->now.world, kernel);
+static int begin_again(torn_sample *sample, fray_kernel kernel) {
+  world_file_close(&sample->now);
+  if (!kernels_reopen_world(&sample->first.world_file, &sample->now)) return 0;
+  fray_set_kernel(sample->now.world, kernel);
   return 1;
 }
 
-static void time_tick(torn_sheet *sheet, uint32_t round, uint32_t tick) {
+static void time_tick(torn_sample *sample, uint32_t round, uint32_t tick) {
   static const fray_input nothing;
   fray_output out;
   const double before = timed_cpu_ns();
-  fray_tick(sheet->now.world, &nothing, &out);
+  fray_tick(sample->now.world, &nothing, &out);
   const double ns = timed_cpu_ns() - before;
-  if (round == 0 || ns < sheet->least[tick]) sheet->least[tick] = ns;
-  sheet->split[tick] = out.couples_loose + out.couples_disconnected;
-  sheet->cuts[tick] = out.cuts_total;
+  if (round == 0 || ns < sample->min[tick]) sample->min[tick] = ns;
+  sample->split[tick] = out.crossings_loose + out.crossings_disconnected;
+  sample->cuts[tick] = out.tears_total;
 }
 
 /* Returns 0 iff memory is out. */
-static int time_all(torn_sheet *sheets, uint32_t count, uint32_t rounds, fray_kernel kernel) {
+static int time_all(torn_sample *samples, uint32_t count, uint32_t rounds, fray_kernel kernel) {
   for (uint32_t round = 0; round < rounds; ++round) {
     for (uint32_t n = 0; n < count; ++n)
-      if (!begin_again(&sheets[n], kernel)) return 0;
+      if (!begin_again(&samples[n], kernel)) return 0;
     for (uint32_t tick = 0; tick < TICKS; ++tick) {
-      progress_show("ticks of all sheets", round * TICKS + tick, rounds * TICKS);
-      for (uint32_t n = 0; n < count; ++n) time_tick(&sheets[n], round, tick);
+      progress_show("ticks of all cloths", round * TICKS + tick, rounds * TICKS);
+      for (uint32_t n = 0; n < count; ++n) time_tick(&samples[n], round, tick);
     }
   }
   progress_end();
@@ -74,91 +74,91 @@ static double mean_of(const double *ns, uint32_t from, uint32_t to) {
 }
 
 static int no_memory(void) {
-  fprintf(stderr, "fray bench: not enough memory for the sheets\n");
+  fprintf(stderr, "fray bench: not enough memory for the cloths\n");
   return 1;
 }
 
-static int all_torn(const torn_sheet *sheets, uint32_t count) {
+static int all_torn(const torn_sample *samples, uint32_t count) {
   for (uint32_t n = 0; n < count; ++n)
-    if (sheets[n].cuts[TICKS - 1] == 0) {
-      fprintf(stderr, "fray bench: a sheet has not torn\n");
+    if (samples[n].cuts[TICKS - 1] == 0) {
+      fprintf(stderr, "fray bench: a cloth has not torn\n");
       return 0;
     }
   return 1;
 }
 
-static void keep_growth(const torn_sheet *sheets, yarn_growth *g) {
+static void keep_scaling(const torn_sample *samples, yarn_scaling *g) {
   double crossings[YARN_SIZES];
   double ns[YARN_SIZES];
   for (uint32_t n = 0; n < YARN_SIZES; ++n) {
     yarn_point *p = &g->points[n];
-    p->tick_ns = ns[n] = mean_of(sheets[n].least, 0, TICKS);
-    p->cuts = sheets[n].cuts[TICKS - 1];
-    p->split = sheets[n].split[TICKS - 1];
+    p->tick_ns = ns[n] = mean_of(samples[n].min, 0, TICKS);
+    p->cuts = samples[n].cuts[TICKS - 1];
+    p->split = samples[n].split[TICKS - 1];
     crossings[n] = (double)p->warps * p->wefts;
   }
   g->line = line_through(crossings, ns, YARN_SIZES);
 }
 
-int yarn_growth_measure(const char *kernel, yarn_growth *g) {
-  torn_sheet *sheets = calloc(YARN_SIZES, sizeof *sheets);
-  int code = sheets == NULL;
+int yarn_scaling_measure(const char *kernel, yarn_scaling *g) {
+  torn_sample *samples = calloc(YARN_SIZES, sizeof *samples);
+  int code = samples == NULL;
   memset(g, 0, sizeof *g);
   for (uint32_t n = 0; code == 0 && n < YARN_SIZES; ++n) {
     g->points[n].warps = 2 * heights[n];
     g->points[n].wefts = heights[n];
-    code = open_torn(kernel, 2 * heights[n], heights[n], SHEET_BARS, "on", &sheets[n], &g->kernel);
+    code = open_torn(kernel, 2 * heights[n], heights[n], WOVEN_SAMPLE_CAPSULES, "on", &samples[n], &g->kernel);
   }
-  if (code == 0) code = time_all(sheets, YARN_SIZES, GROWTH_ROUNDS, g->kernel) ? 0 : 1;
+  if (code == 0) code = time_all(samples, YARN_SIZES, SCALING_ROUNDS, g->kernel) ? 0 : 1;
   if (code == 1) (void)no_memory();
   if (code == 0) {
-    keep_growth(sheets, g);
-    code = all_torn(sheets, YARN_SIZES) ? 0 : 1;
+    keep_scaling(samples, g);
+    code = all_torn(samples, YARN_SIZES) ? 0 : 1;
   }
-  for (uint32_t n = 0; sheets != NULL && n < YARN_SIZES; ++n) close_torn(&sheets[n]);
-  free(sheets);
+  for (uint32_t n = 0; samples != NULL && n < YARN_SIZES; ++n) close_torn(&samples[n]);
+  free(samples);
   return code;
 }
 
-static yarn_part part_of(const torn_sheet *sheets, uint32_t from, uint32_t to) {
+static yarn_part part_of(const torn_sample *samples, uint32_t from, uint32_t to) {
   const uint32_t last = to > 0 ? to - 1 : 0;
-  return (yarn_part){sheets[0].split[last], sheets[0].cuts[last],
-                     mean_of(sheets[0].least, from, to), mean_of(sheets[1].least, from, to)};
+  return (yarn_part){samples[0].split[last], samples[0].cuts[last],
+                     mean_of(samples[0].min, from, to), mean_of(samples[1].min, from, to)};
 }
 
-static void keep_levels(const torn_sheet *sheets, yarn_levels *l) {
-  for (l->first_split = 0; l->first_split < TICKS && sheets[0].split[l->first_split] == 0;)
+static void keep_levels(const torn_sample *samples, yarn_levels *l) {
+  for (l->first_split = 0; l->first_split < TICKS && samples[0].split[l->first_split] == 0;)
     ++l->first_split;
-  l->before = part_of(sheets, 0, l->first_split);
+  l->before = part_of(samples, 0, l->first_split);
   for (uint32_t n = 0; n < YARN_PARTS; ++n)
-    l->parts[n] = part_of(sheets, n * TICKS / YARN_PARTS, (n + 1) * TICKS / YARN_PARTS);
+    l->parts[n] = part_of(samples, n * TICKS / YARN_PARTS, (n + 1) * TICKS / YARN_PARTS);
 }
 
 int yarn_levels_measure(const char *kernel, yarn_levels *l) {
   static const char *const yarns[LEVELS] = {"on", "all"};
-  torn_sheet *sheets = calloc(LEVELS, sizeof *sheets);
-  int code = sheets == NULL;
+  torn_sample *samples = calloc(LEVELS, sizeof *samples);
+  int code = samples == NULL;
   memset(l, 0, sizeof *l);
   l->warps = LEVEL_WARPS;
   l->wefts = LEVEL_WEFTS;
   for (uint32_t n = 0; code == 0 && n < LEVELS; ++n)
-    code = open_torn(kernel, l->warps, l->wefts, SHEET_BALLS, yarns[n], &sheets[n], &l->kernel);
-  if (code == 0) code = time_all(sheets, LEVELS, LEVEL_ROUNDS, l->kernel) ? 0 : 1;
+    code = open_torn(kernel, l->warps, l->wefts, WOVEN_SAMPLE_SPHERES, yarns[n], &samples[n], &l->kernel);
+  if (code == 0) code = time_all(samples, LEVELS, LEVEL_ROUNDS, l->kernel) ? 0 : 1;
   if (code == 1) (void)no_memory();
   if (code == 0) {
-    keep_levels(sheets, l);
-    code = all_torn(sheets, LEVELS) ? 0 : 1;
+    keep_levels(samples, l);
+    code = all_torn(samples, LEVELS) ? 0 : 1;
   }
-  for (uint32_t n = 0; sheets != NULL && n < LEVELS; ++n) close_torn(&sheets[n]);
-  free(sheets);
+  for (uint32_t n = 0; samples != NULL && n < LEVELS; ++n) close_torn(&samples[n]);
+  free(samples);
   return code;
 }
 
-void yarn_growth_print(FILE *out, const yarn_growth *g) {
+void yarn_scaling_print(FILE *out, const yarn_scaling *g) {
   fprintf(out,
-          "sheets torn apart by two bars, %d substeps, %s, mean of %d ticks\n"
-          "  crossings   us a tick   ns a crossing   cuts   split\n",
-          (int)SHEET_TORN_SUBSTEPS, kernel_name(g->kernel), (int)TICKS);
+          "cloths torn apart by two bars, %d substeps, %s, mean of %d ticks\n"
+          "  crossings   us a tick   ns a crossing  tears   split\n",
+          (int)WOVEN_SAMPLE_TORN_SUBSTEPS, kernel_name(g->kernel), (int)TICKS);
   for (uint32_t n = 0; n < YARN_SIZES; ++n) {
     const yarn_point *p = &g->points[n];
     const uint32_t crossings = p->warps * p->wefts;
@@ -178,9 +178,9 @@ static void print_part(FILE *out, const char *label, const yarn_levels *l, const
 void yarn_levels_print(FILE *out, const yarn_levels *l) {
   char label[32];
   fprintf(out,
-          "a sheet of %ux%u torn apart by two balls, %d substeps, %s\n"
-          "  ticks            split   cuts    two-level     all-yarn    ratio   (us a tick)\n",
-          l->warps, l->wefts, (int)SHEET_TORN_SUBSTEPS, kernel_name(l->kernel));
+          "a cloth of %ux%u torn apart by two balls, %d substeps, %s\n"
+          "  ticks            split  tears    two-level     all-yarn    ratio   (us a tick)\n",
+          l->warps, l->wefts, (int)WOVEN_SAMPLE_TORN_SUBSTEPS, kernel_name(l->kernel));
   for (uint32_t n = 0; n < YARN_PARTS; ++n) {
     snprintf(label, sizeof label, "%u to %u", n * TICKS / YARN_PARTS,
              (n + 1) * TICKS / YARN_PARTS - 1);

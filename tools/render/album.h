@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The pictures of one run: moments are kept as they pass, and drawn when all are known, so that
  * one camera frames them all. */
-#ifndef FRAY_RENDER_ALBUM_H
-#define FRAY_RENDER_ALBUM_H
+#ifndef FRAY_TOOLS_RENDER_ALBUM_H
+#define FRAY_TOOLS_RENDER_ALBUM_H
 
 #include <stddef.h>
 
 #include "tools/render/cloth_style.h"
 #include "tools/render/picture_source.h"
 
-enum { ALBUM_PICTURES_MAX = 5000, ALBUM_SHEET_MOMENTS = 48 };
+enum { ALBUM_PICTURES_MAX = 5000, ALBUM_CONTACT_SHEET_MAX = 48 };
 
 typedef struct {
   picture_source *pictures;
@@ -32,7 +32,7 @@ void album_open(album *a);
 /* Keeps the world as it stands. Returns 0 iff memory ran out or the album is full. */
 int album_add(album *a, const fray_world *world);
 /* Writes FOLDER/frame_<ticks>.png and FOLDER/sheet.png, which has all of them, or, of more than
- * ALBUM_SHEET_MOMENTS, so many at even steps; makes the folder. With yarns and wires, the wires are
+ * ALBUM_CONTACT_SHEET_MAX, so many at even steps; makes the folder. With yarns and wires, the wires are
  * FOLDER/wire_<ticks>.png. Returns 1, or 0 after a message to stderr. */
 int album_write(const album *a, const album_style *style);
 void album_close(album *a);

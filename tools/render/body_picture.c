@@ -14,7 +14,7 @@ typedef struct {
   rgb colour;
 } body_job;
 
-rgb body_colour(const picture_body *b) {
+rgb body_picture_colour(const picture_body *b) {
   if (b->motion == FRAY_HAND) return rgb_hex(b->hand == 0 ? 0xE0742F : 0x2F9E74);
   if (b->motion == FRAY_FREE) return rgb_hex(0xCFA640);
   if (b->motion == FRAY_PATH) return rgb_hex(0xA66B9C);
@@ -26,7 +26,7 @@ static canvas_sample shade_body(const void *context, const float *a, int front) 
   (void)front;
   const v3 at = {a[AT], a[AT + 1], a[AT + 2]};
   const v3 normal = v3_unit((v3){a[NORMAL], a[NORMAL + 1], a[NORMAL + 2]});
-  const material m = {k->colour, 0.10f, 0.22f, 0.0f};
+  const surface_material m = {k->colour, 0.10f, 0.22f, 0.0f};
   const v3 towards = camera_towards(k->cam, at);
   return (canvas_sample){lighting_shade(k->light, &m, at, normal, normal, towards), 1.0f};
 }
@@ -60,10 +60,10 @@ static void draw_round(const body_job *k, v3 centre, const v3 *axes, float radiu
     canvas_vertex *now = ring[stack & 1], *before = ring[(stack & 1) ^ 1];
     for (int slice = 0; slice <= SLICES; slice++) {
       v3 n = v3_scale(axes[0], along);
-      n = v3_along(n, axes[1], around * cosine[slice % SLICES]);
-      n = v3_along(n, axes[2], around * sine[slice % SLICES]);
-      const v3 middle = v3_along(centre, axes[0], second ? half : -half);
-      if (!put(k, now + slice, v3_along(middle, n, radius), n)) return;
+      n = v3_add_scaled(n, axes[1], around * cosine[slice % SLICES]);
+      n = v3_add_scaled(n, axes[2], around * sine[slice % SLICES]);
+      const v3 middle = v3_add_scaled(centre, axes[0], second ? half : -half);
+      if (!put(k, now + slice, v3_add_scaled(middle, n, radius), n)) return;
     }
     if (stack == 0) continue;
     for (int slice = 0; slice < SLICES; slice++)
@@ -76,13 +76,13 @@ static void draw_box(const body_job *k, const picture_body *b) {
   for (int face = 0; face < 6; face++) {
     const int a = face / 2, p = (a + 1) % 3, q = (a + 2) % 3;
     const v3 normal = v3_scale(b->axes[a], face & 1 ? 1.0f : -1.0f);
-    const v3 middle = v3_along(b->position, normal, half[a]);
+    const v3 middle = v3_add_scaled(b->position, normal, half[a]);
     canvas_vertex v[4];
     int good = 1;
     for (int n = 0; n < 4; n++) {
       const float sp = n == 0 || n == 3 ? -1.0f : 1.0f, sq = n < 2 ? -1.0f : 1.0f;
-      v3 at = v3_along(middle, b->axes[p], sp * half[p]);
-      at = v3_along(at, b->axes[q], sq * half[q]);
+      v3 at = v3_add_scaled(middle, b->axes[p], sp * half[p]);
+      at = v3_add_scaled(at, b->axes[q], sq * half[q]);
       good &= put(k, v + n, at, normal);
     }
     if (good) quad(k, v, v + 1, v + 2, v + 3);
@@ -112,7 +112,7 @@ static void draw_mesh(const body_job *k, const picture_body *b) {
 /* A step towards the eye, so that its own faces do not hide it. */
 static int put_mark(const body_job *k, const picture_body *b, uint32_t point, canvas_vertex *v) {
   const v3 at = picture_mesh_point(b, point);
-  return camera_project(k->cam, v3_along(at, camera_towards(k->cam, at), 0.3f), v);
+  return camera_project(k->cam, v3_add_scaled(at, camera_towards(k->cam, at), 0.3f), v);
 }
 
 /* What cuts is red, as in Karaoz 2015, figure 3.3. */
@@ -132,11 +132,11 @@ static void draw_sharp(const body_job *k, const picture_body *b) {
     }
 }
 
-void body_draw(canvas *c, const camera *cam, const lighting *light, const picture_body *b) {
-  body_job k = {c, cam, light, body_colour(b)};
+void body_picture_draw(canvas *c, const camera *cam, const lighting *light, const picture_body *b) {
+  body_job k = {c, cam, light, body_picture_colour(b)};
   switch (b->shape) {
-    case FRAY_BALL: draw_round(&k, b->position, world_axes, b->radius, 0.0f); break;
-    case FRAY_BAR: draw_round(&k, b->position, b->axes, b->radius, b->half.x); break;
+    case FRAY_SPHERE: draw_round(&k, b->position, world_axes, b->radius, 0.0f); break;
+    case FRAY_CAPSULE: draw_round(&k, b->position, b->axes, b->radius, b->half.x); break;
     case FRAY_BOX: draw_box(&k, b); break;
     case FRAY_MESH:
       draw_mesh(&k, b);
@@ -147,7 +147,7 @@ void body_draw(canvas *c, const camera *cam, const lighting *light, const pictur
   }
 }
 
-void pins_draw(canvas *c, const camera *cam, const lighting *light, const picture_source *source) {
+void body_picture_draw_pins(canvas *c, const camera *cam, const lighting *light, const picture_source *source) {
   const body_job k = {c, cam, light, rgb_hex(0x4A4F57)};
   for (uint32_t n = 0; n < source->warps * source->wefts; n++) {
     if (!source->pinned[n]) continue;
@@ -175,7 +175,7 @@ static canvas_sample shade_ground(const void *context, const float *a, int front
   const float far = v3_length(d) / k->reach;
   const float fade = clamp01(1.0f - far * far);
   if (fade <= 0.0f) return (canvas_sample){{0, 0, 0}, 0.0f};
-  const float shadow = 1.0f - lighting_open_sky(k->light, at, k->normal);
+  const float shadow = 1.0f - lighting_visibility(k->light, at, k->normal);
   float line = 0.0f;
   if (k->grid > 0.0f) {
     const float x = v3_dot(at, k->across), y = v3_dot(at, k->along), w = 0.022f * k->grid;
@@ -189,7 +189,7 @@ static canvas_sample shade_ground(const void *context, const float *a, int front
   return (canvas_sample){dark, fminf(alpha, 0.49f)};
 }
 
-void ground_draw(canvas *c, const camera *cam, const lighting *light, v3 at, v3 normal,
+void body_picture_draw_ground(canvas *c, const camera *cam, const lighting *light, v3 at, v3 normal,
                  float reach_mm, float grid_mm) {
   const v3 up = v3_unit(normal);
   const v3 hint = fabsf(up.x) < 0.9f ? (v3){1, 0, 0} : (v3){0, 0, 1};
@@ -204,7 +204,7 @@ void ground_draw(canvas *c, const camera *cam, const lighting *light, v3 at, v3 
       for (int n = 0; n < 4; n++) {
         const float s = (float)(x + (n == 1 || n == 2)) / GROUND_TILES * 2.0f - 1.0f;
         const float t = (float)(y + (n >= 2)) / GROUND_TILES * 2.0f - 1.0f;
-        const v3 p = v3_along(v3_along(at, across, s * reach_mm), along, t * reach_mm);
+        const v3 p = v3_add_scaled(v3_add_scaled(at, across, s * reach_mm), along, t * reach_mm);
         v[n].a[0] = p.x;
         v[n].a[1] = p.y;
         v[n].a[2] = p.z;

@@ -83,10 +83,10 @@ camera camera_frame(bounds b, float yaw, float pitch, uint32_t width, uint32_t h
       left = fminf(left, v3_dot(d, cam.right) / w);
       right = fmaxf(right, v3_dot(d, cam.right) / w);
     }
-    target = v3_along(target, cam.up, 0.5f * (low + high) * distance);
-    target = v3_along(target, cam.right, 0.5f * (left + right) * distance);
+    target = v3_add_scaled(target, cam.up, 0.5f * (low + high) * distance);
+    target = v3_add_scaled(target, cam.right, 0.5f * (left + right) * distance);
   }
-  cam.eye = v3_along(target, cam.back, distance);
+  cam.eye = v3_add_scaled(target, cam.back, distance);
   return cam;
 }
 
@@ -103,7 +103,7 @@ camera camera_light(bounds b, v3 direction, uint32_t side) {
   const float radius = 0.5f * v3_length(v3_sub(b.high, b.low)) + 1e-3f;
   camera cam = {.parallel = 1, .x = 0.5f * (float)side, .y = 0.5f * (float)side};
   turn(&cam, v3_unit(direction));
-  cam.eye = v3_along(centre, cam.back, 2.0f * radius);
+  cam.eye = v3_add_scaled(centre, cam.back, 2.0f * radius);
   cam.pixels = 0.49f * (float)side / radius;
   return cam;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Where a picture is taken from. Lengths are millimetres, y is up. */
-#ifndef FRAY_RENDER_CAMERA_H
-#define FRAY_RENDER_CAMERA_H
+#ifndef FRAY_TOOLS_RENDER_CAMERA_H
+#define FRAY_TOOLS_RENDER_CAMERA_H
 
 #include "tools/render/canvas.h"
 #include "tools/render/vec3.h"

@@ -146,7 +146,7 @@ void canvas_triangle(canvas *c, const canvas_vertex *v0, const canvas_vertex *v1
   const uint32_t right = bounded(ceil(fmax(x[0], fmax(x[1], x[2]))), c->columns);
   const uint32_t top = bounded(floor(fmin(y[0], fmin(y[1], y[2]))), c->rows);
   const uint32_t bottom = bounded(ceil(fmax(y[0], fmax(y[1], y[2]))), c->rows);
-  /* Neighbours overlap by a hair rather than leave a gap; the depth test settles who wins. */
+  /* Neighbours overlap by a hair rather than leave a gap; the depth test decides. */
   const double slack = -1e-7;
   for (uint32_t row = top; row < bottom; row++) {
     for (uint32_t column = left; column < right; column++) {

@@ -2,8 +2,8 @@
 /* A picture in linear light with a depth buffer, kept at `scale` samples a side per pixel.
  * All coordinates are in final pixels, x to the right, y down; (0, 0) is the corner of the first.
  */
-#ifndef FRAY_RENDER_CANVAS_H
-#define FRAY_RENDER_CANVAS_H
+#ifndef FRAY_TOOLS_RENDER_CANVAS_H
+#define FRAY_TOOLS_RENDER_CANVAS_H
 
 #include <stddef.h>
 #include <stdint.h>

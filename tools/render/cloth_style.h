@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* How cloth is shown, and the colours of its yarns. */
-#ifndef FRAY_RENDER_CLOTH_STYLE_H
-#define FRAY_RENDER_CLOTH_STYLE_H
+#ifndef FRAY_TOOLS_RENDER_CLOTH_STYLE_H
+#define FRAY_TOOLS_RENDER_CLOTH_STYLE_H
 
 #include "tools/render/canvas.h"
 
 typedef enum {
-  LOOK_SHEET, /* closed cells as a woven surface, everything beside an open cell as single yarns */
+  LOOK_SURFACE, /* closed cells as a woven surface, everything beside an open cell as single yarns */
   LOOK_YARN,  /* every yarn by itself, interleaved with the others */
   LOOK_WIRE   /* living springs: what has split into yarns in one colour, the rest in another */
 } cloth_look;
@@ -14,10 +14,10 @@ typedef enum {
 typedef struct {
   cloth_look look;
   rgb warp, weft;
-  rgb back;    /* the other side's colours are multiplied by this; LOOK_SHEET only */
+  rgb back;    /* the other side's colours are multiplied by this; LOOK_SURFACE only */
   rgb base, split; /* LOOK_WIRE */
   int strain;  /* 1: blue (slack), white (at rest), red (about to be cut) */
-  float stress_full; /* N/m: of triangle sheets, what is red then */
+  float stress_full; /* N/m: of membranes, what is red then */
 } cloth_style;
 
 cloth_style cloth_style_default(cloth_look look);

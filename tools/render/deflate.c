@@ -42,7 +42,7 @@ typedef struct {
 } token;
 
 typedef struct {
-  byte_row *out;
+  byte_buffer *out;
   uint64_t bits;
   uint32_t bit_count;
   token *tokens;
@@ -52,7 +52,7 @@ typedef struct {
   uint8_t length_symbol[MATCH_MAX + 1];
 } encoder;
 
-void byte_row_add(byte_row *r, const void *data, size_t count) {
+void byte_buffer_append(byte_buffer *r, const void *data, size_t count) {
   if (r->failed || count == 0) return;
   if (r->room - r->count < count) {
     size_t room = r->room < 4096 ? 4096 : r->room;
@@ -69,7 +69,7 @@ void byte_row_add(byte_row *r, const void *data, size_t count) {
   r->count += count;
 }
 
-void byte_row_free(byte_row *r) {
+void byte_buffer_free(byte_buffer *r) {
   free(r->data);
   memset(r, 0, sizeof *r);
 }
@@ -80,7 +80,7 @@ static void put_bits(encoder *e, uint32_t value, uint32_t count) {
   if (e->bit_count < 32) return;
   const uint8_t four[4] = {(uint8_t)e->bits, (uint8_t)(e->bits >> 8), (uint8_t)(e->bits >> 16),
                            (uint8_t)(e->bits >> 24)};
-  byte_row_add(e->out, four, 4);
+  byte_buffer_append(e->out, four, 4);
   e->bits >>= 32;
   e->bit_count -= 32;
 }
@@ -88,7 +88,7 @@ static void put_bits(encoder *e, uint32_t value, uint32_t count) {
 static void flush_bits(encoder *e) {
   while (e->bit_count > 0) {
     const uint8_t one = (uint8_t)e->bits;
-    byte_row_add(e->out, &one, 1);
+    byte_buffer_append(e->out, &one, 1);
     e->bits >>= 8;
     e->bit_count = e->bit_count > 8 ? e->bit_count - 8 : 0;
   }
@@ -203,18 +203,18 @@ static void remember(encoder *e, const uint8_t *data, size_t at) {
 static token find_match(const encoder *e, const uint8_t *data, size_t count, size_t at) {
   token best = {data[at], 0};
   uint32_t best_length = MATCH_MIN - 1;
-  const uint32_t most = count - at < MATCH_MAX ? (uint32_t)(count - at) : (uint32_t)MATCH_MAX;
-  if (most < MATCH_MIN) return best;
+  const uint32_t max = count - at < MATCH_MAX ? (uint32_t)(count - at) : (uint32_t)MATCH_MAX;
+  if (max < MATCH_MIN) return best;
   int32_t from = e->head[hash_at(data + at)];
   for (int look = 0; look < CHAIN_MAX && from >= 0 && at - (size_t)from < WINDOW; look++) {
     const uint8_t *a = data + from, *b = data + at;
     if (a[best_length] == b[best_length]) {
       uint32_t n = 0;
-      while (n < most && a[n] == b[n]) n++;
+      while (n < max && a[n] == b[n]) n++;
       if (n > best_length) {
         best_length = n;
         best = (token){(uint16_t)n, (uint16_t)(at - (size_t)from)};
-        if (n >= MATCH_GOOD || n == most) break;
+        if (n >= MATCH_GOOD || n == max) break;
       }
     }
     const int32_t before = e->chain[(size_t)from % WINDOW];
@@ -246,7 +246,7 @@ static void tokenize(encoder *e, const uint8_t *data, size_t count) {
   put_block(e, 1);
 }
 
-int deflate_append(byte_row *out, const uint8_t *data, size_t count) {
+int deflate_append(byte_buffer *out, const uint8_t *data, size_t count) {
   encoder e = {.out = out};
   if (count > INT32_MAX) return 0;
   e.tokens = malloc(BLOCK_SYMBOLS * sizeof *e.tokens);

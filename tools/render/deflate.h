@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Raw deflate (RFC 1951): LZ77 over a hash chain, one dynamic Huffman block per 64 Ki symbols. */
-#ifndef FRAY_RENDER_DEFLATE_H
-#define FRAY_RENDER_DEFLATE_H
+#ifndef FRAY_TOOLS_RENDER_DEFLATE_H
+#define FRAY_TOOLS_RENDER_DEFLATE_H
 
 #include <stddef.h>
 #include <stdint.h>
@@ -11,12 +11,12 @@ typedef struct {
   uint8_t *data;
   size_t count, room;
   int failed;
-} byte_row;
+} byte_buffer;
 
-void byte_row_add(byte_row *r, const void *data, size_t count);
-void byte_row_free(byte_row *r);
+void byte_buffer_append(byte_buffer *r, const void *data, size_t count);
+void byte_buffer_free(byte_buffer *r);
 
 /* Appends the deflated form of data to out. Returns 1, or 0 iff memory ran out. */
-int deflate_append(byte_row *out, const uint8_t *data, size_t count);
+int deflate_append(byte_buffer *out, const uint8_t *data, size_t count);
 
 #endif

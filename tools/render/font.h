@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A bitmap font of 5 x 7 dots, ASCII 32 to 126; anything else is drawn as `?`. */
-#ifndef FRAY_RENDER_FONT_H
-#define FRAY_RENDER_FONT_H
+#ifndef FRAY_TOOLS_RENDER_FONT_H
+#define FRAY_TOOLS_RENDER_FONT_H
 
 #include "tools/render/canvas.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Length-limited prefix codes as deflate wants them (RFC 1951, 3.2.2). */
-#ifndef FRAY_RENDER_HUFFMAN_H
-#define FRAY_RENDER_HUFFMAN_H
+#ifndef FRAY_TOOLS_RENDER_HUFFMAN_H
+#define FRAY_TOOLS_RENDER_HUFFMAN_H
 
 #include <stdint.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Pictures of one size, tiled with captions into one: a run at a glance. */
-#ifndef FRAY_RENDER_MONTAGE_H
-#define FRAY_RENDER_MONTAGE_H
+#ifndef FRAY_TOOLS_RENDER_MONTAGE_H
+#define FRAY_TOOLS_RENDER_MONTAGE_H
 
 #include <stddef.h>
 #include <stdint.h>

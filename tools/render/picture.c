@@ -6,9 +6,9 @@
 
 #include "tools/render/body_picture.h"
 #include "tools/render/font.h"
-#include "tools/render/light.h"
-#include "tools/render/triangle_picture.h"
-#include "tools/render/weave_picture.h"
+#include "tools/render/lighting.h"
+#include "tools/render/membrane_picture.h"
+#include "tools/render/yarn_cloth_picture.h"
 #include "tools/render/wire_picture.h"
 
 enum { MAP_SIDE = 1536, SAMPLES = 2 };
@@ -38,15 +38,15 @@ static void draw_ground(canvas *c, const camera *cam, const lighting *light,
     if (body->shape != FRAY_PLANE) continue;
     planes++;
     const v3 n = v3_unit(body->axes[1]);
-    const v3 at = v3_along(centre, n, v3_dot(v3_sub(body->position, centre), n));
-    ground_draw(c, cam, light, at, n, 1.6f * size, 10.0f);
+    const v3 at = v3_add_scaled(centre, n, v3_dot(v3_sub(body->position, centre), n));
+    body_picture_draw_ground(c, cam, light, at, n, 1.6f * size, 10.0f);
   }
   if (planes) return;
   centre.y = b.low.y - 0.03f * size;
-  ground_draw(c, cam, light, centre, (v3){0, 1, 0}, 1.1f * size, 0.0f);
+  body_picture_draw_ground(c, cam, light, centre, (v3){0, 1, 0}, 1.1f * size, 0.0f);
 }
 
-static void draw_strain_key(canvas *c, const char *most) {
+static void draw_strain_key(canvas *c, const char *max) {
   const float unit = fmaxf(1.0f, roundf((float)c->width / 640.0f));
   const float width = 110.0f * unit, height = 6.0f * unit,
               x = (float)c->width - width - 14.0f * unit;
@@ -59,14 +59,14 @@ static void draw_strain_key(canvas *c, const char *most) {
   }
   font_draw(c, x, y + 9.0f * unit, unit, "slack", ink, FONT_LEFT);
   font_draw(c, x + 0.5f * width, y + 9.0f * unit, unit, "rest", ink, FONT_CENTRE);
-  font_draw(c, x + width, y + 9.0f * unit, unit, most, ink, FONT_RIGHT);
+  font_draw(c, x + width, y + 9.0f * unit, unit, max, ink, FONT_RIGHT);
 }
 
 static void draw_text(canvas *c, const picture_source *source, const picture_style *style) {
-  char most[32] = "tears";
+  char max[32] = "tears";
   const float unit = fmaxf(1.0f, roundf((float)c->width / 640.0f));
-  if (source->triangle_count) snprintf(most, sizeof most, "%g N/m", (double)style->cloth.stress_full);
-  if (style->cloth.strain) draw_strain_key(c, most);
+  if (source->triangle_count) snprintf(max, sizeof max, "%g N/m", (double)style->cloth.stress_full);
+  if (style->cloth.strain) draw_strain_key(c, max);
   if (!style->caption) return;
   /* A light rim: the caption may stand before cloth. */
   for (int n = 0; n < 5; n++) {
@@ -78,10 +78,10 @@ static void draw_text(canvas *c, const picture_source *source, const picture_sty
 
 static int draw_cloth(canvas *c, const camera *cam, const lighting *light,
                       const picture_source *source, const cloth_style *style) {
-  if (source->triangle_count) return triangle_picture_draw(c, cam, light, source, style);
+  if (source->triangle_count) return membrane_picture_draw(c, cam, light, source, style);
   switch (style->look) {
-    case LOOK_SHEET: return sheet_picture_draw(c, cam, light, source, style);
-    case LOOK_YARN: return weave_picture_draw(c, cam, light, source, style);
+    case LOOK_SURFACE: return woven_picture_draw(c, cam, light, source, style);
+    case LOOK_YARN: return yarn_cloth_picture_draw(c, cam, light, source, style);
     case LOOK_WIRE: break;
   }
   if (light) wire_picture_draw(c, cam, source, style); /* wires cast no shadow */
@@ -97,20 +97,20 @@ int picture_draw(canvas *c, const camera *cam, const picture_source *source,
   if (!lighting_open(&light, over, fmaxf(0.7f * source->spacing, texels), MAP_SIDE)) return 0;
   int good = draw_cloth(&light.map, &light.sun, NULL, source, &style->cloth);
   for (uint32_t k = 0; k < source->body_count; k++)
-    body_draw(&light.map, &light.sun, NULL, source->bodies + k);
+    body_picture_draw(&light.map, &light.sun, NULL, source->bodies + k);
 
   canvas_fill(c, style->top, style->bottom);
   if (style->ground) draw_ground(c, cam, &light, source, style);
   for (uint32_t k = 0; k < source->body_count; k++)
-    body_draw(c, cam, &light, source->bodies + k);
-  pins_draw(c, cam, &light, source);
+    body_picture_draw(c, cam, &light, source->bodies + k);
+  body_picture_draw_pins(c, cam, &light, source);
   good = draw_cloth(c, cam, &light, source, &style->cloth) && good;
   draw_text(c, source, style);
   lighting_close(&light);
   return good;
 }
 
-int picture_sheet(canvas *c, const camera *cam, const fray_world *world,
+int picture_draw_world(canvas *c, const camera *cam, const fray_world *world,
                   const picture_style *style) {
   picture_source source = {0};
   const int good = picture_source_read(&source, world) && picture_draw(c, cam, &source, style);
@@ -134,7 +134,7 @@ int picture_write(const fray_world *world, const camera *cam, const picture_styl
     return 0;
   }
   errno = ENOMEM;
-  const int good = picture_sheet(&c, cam, world, style) && canvas_write(&c, path);
+  const int good = picture_draw_world(&c, cam, world, style) && canvas_write(&c, path);
   canvas_close(&c);
   return good;
 }

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A whole picture of a world: background, ground, bodies, cloth, caption. */
-#ifndef FRAY_RENDER_PICTURE_H
-#define FRAY_RENDER_PICTURE_H
+#ifndef FRAY_TOOLS_RENDER_PICTURE_H
+#define FRAY_TOOLS_RENDER_PICTURE_H
 
 #include "rt/fray.h"
 #include "tools/render/camera.h"
 #include "tools/render/canvas.h"
 #include "tools/render/picture_source.h"
-#include "tools/render/sheet_picture.h"
+#include "tools/render/woven_picture.h"
 
 typedef struct {
   cloth_style cloth;
@@ -26,7 +26,7 @@ bounds picture_bounds(const fray_world *world);
 /* Returns 0 iff memory ran out. The canvas is overwritten. */
 int picture_draw(canvas *c, const camera *cam, const picture_source *source,
                  const picture_style *style);
-int picture_sheet(canvas *c, const camera *cam, const fray_world *world,
+int picture_draw_world(canvas *c, const camera *cam, const fray_world *world,
                   const picture_style *style);
 
 /* Draws at 2x2 samples a pixel and writes a PNG. Returns 1, or 0 with errno set. */

@@ -11,7 +11,7 @@ uint32_t picture_springs(uint32_t warps, uint32_t wefts) {
 void picture_source_close(picture_source *s) {
   free(s->crossings);
   free(s->split);
-  free(s->parted);
+  free(s->half_gap);
   free(s->pinned);
   free(s->springs);
   free(s->load);
@@ -30,12 +30,12 @@ int picture_source_reserve(picture_source *s, uint32_t warps, uint32_t wefts, ui
   /* One more of each: calloc(0) may return NULL. */
   s->crossings = calloc(crossings + 1, sizeof *s->crossings);
   s->split = calloc(crossings + 1, sizeof *s->split);
-  s->parted = calloc(crossings + 1, sizeof *s->parted);
+  s->half_gap = calloc(crossings + 1, sizeof *s->half_gap);
   s->pinned = calloc(crossings + 1, sizeof *s->pinned);
   s->springs = calloc(springs + 1, sizeof *s->springs);
   s->load = calloc(springs + 1, sizeof *s->load);
   s->bodies = calloc((size_t)bodies + 1, sizeof *s->bodies);
-  if (!s->crossings || !s->split || !s->parted || !s->pinned || !s->springs || !s->load ||
+  if (!s->crossings || !s->split || !s->half_gap || !s->pinned || !s->springs || !s->load ||
       !s->bodies) {
     picture_source_close(s);
     return 0;
@@ -62,8 +62,8 @@ static picture_body body_in_mm(const fray_body *b, float mm_per_q24) {
 
 /* The particles of a crossing's weft and warp: one and the same until it splits. */
 static void particles_at(const fray_world *world, uint32_t crossing, uint32_t at[AXES]) {
-  at[AXIS_WEFT] = fray_particle_of(world, crossing, FRAY_WEFT);
-  at[AXIS_WARP] = fray_particle_of(world, crossing, FRAY_WARP);
+  at[AXIS_WEFT] = fray_yarn_particle(world, crossing, FRAY_WEFT);
+  at[AXIS_WARP] = fray_yarn_particle(world, crossing, FRAY_WARP);
 }
 
 static void read_crossing(picture_source *s, const fray_world *world, const fray_particles *p,
@@ -77,9 +77,9 @@ static void read_crossing(picture_source *s, const fray_world *world, const fray
     at[axis] = in_mm(q24, mm_per_q24);
   }
   s->crossings[crossing] = v3_scale(v3_add(at[AXIS_WEFT], at[AXIS_WARP]), 0.5f);
-  s->parted[crossing] = v3_scale(v3_sub(at[AXIS_WARP], at[AXIS_WEFT]), 0.5f);
+  s->half_gap[crossing] = v3_scale(v3_sub(at[AXIS_WARP], at[AXIS_WEFT]), 0.5f);
   s->split[crossing] = n[AXIS_WEFT] != n[AXIS_WARP];
-  const uint32_t holder = n[0] < p->held ? fray_holder(world, n[0]) : UINT32_MAX;
+  const uint32_t holder = n[0] < p->attached ? fray_attached_body(world, n[0]) : UINT32_MAX;
   s->pinned[crossing] = holder < s->body_count && s->bodies[holder].shape == FRAY_ANCHOR;
 }
 
@@ -89,17 +89,17 @@ static void read_springs(picture_source *s, const fray_world *world, const fray_
   double rest_sum = 0.0;
   memset(s->springs, SPRING_NONE, springs);
   for (uint32_t k = 0; k < rows; k++) {
-    const fray_row row = fray_view_row(world, FRAY_STRUCTURAL, k);
+    const fray_spring row = fray_view_spring(world, FRAY_STRUCTURAL, k);
     rest_sum += (double)row.rest;
-    if (row.home >= springs) continue;
-    s->springs[row.home] = row.alive ? SPRING_ALIVE : SPRING_CUT;
+    if (row.id >= springs) continue;
+    s->springs[row.id] = row.alive ? SPRING_ALIVE : SPRING_CUT;
     const double dx = (double)p->x[row.i] - (double)p->x[row.j];
     const double dy = (double)p->y[row.i] - (double)p->y[row.j];
     const double dz = (double)p->z[row.i] - (double)p->z[row.j];
     const double rest = row.rest > 0 ? (double)row.rest : 1.0;
     const double strain = sqrt(dx * dx + dy * dy + dz * dz) / rest - 1.0;
     const double limit = row.threshold > 0 ? (double)row.threshold / 65536.0 : 0.1;
-    s->load[row.home] = (float)(strain / limit);
+    s->load[row.id] = (float)(strain / limit);
   }
   s->spacing = rows ? (float)(rest_sum / rows) * mm_per_q24 : 1.0f;
 }
@@ -111,7 +111,7 @@ static float principal(const int32_t stress[3]) {
 }
 
 static int read_triangles(picture_source *s, const fray_world *world, const fray_particles *p,
-                          const fray_facts *facts, float mm_per_q24) {
+                          const fray_info *facts, float mm_per_q24) {
   double area = 0.0;
   if (facts->triangles == 0) return 1;
   s->vertices = calloc(p->count, sizeof *s->vertices);
@@ -123,7 +123,7 @@ static int read_triangles(picture_source *s, const fray_world *world, const fray
   for (uint32_t n = 0; n < p->count; n++) {
     const int32_t at[3] = {p->x[n], p->y[n], p->z[n]};
     s->vertices[n] = in_mm(at, mm_per_q24);
-    s->held[n] = n < p->held && s->bodies[fray_holder(world, n)].shape == FRAY_ANCHOR;
+    s->held[n] = n < p->attached && s->bodies[fray_attached_body(world, n)].shape == FRAY_ANCHOR;
   }
   for (uint32_t t = 0; t < facts->triangles; t++) {
     const fray_triangle from = fray_view_triangle(world, t);
@@ -131,8 +131,8 @@ static int read_triangles(picture_source *s, const fray_world *world, const fray
     to->stress = principal(from.stress);
     for (int k = 0; k < 3; k++) {
       to->vertex[k] = from.vertex[k];
-      to->border[k] = from.border[k];
-      to->side[k] = from.side[k];
+      to->border[k] = from.boundary[k];
+      to->side[k] = from.edge[k];
     }
     const double u1 = (double)from.u[1] - from.u[0], u2 = (double)from.u[2] - from.u[0];
     const double v1 = (double)from.v[1] - from.v[0], v2 = (double)from.v[2] - from.v[0];
@@ -143,8 +143,8 @@ static int read_triangles(picture_source *s, const fray_world *world, const fray
 }
 
 int picture_source_read(picture_source *s, const fray_world *world) {
-  const fray_facts facts = fray_describe(world);
-  const fray_sheet sheet = fray_view_sheet(world);
+  const fray_info facts = fray_get_info(world);
+  const fray_weave sheet = fray_view_weave(world);
   const fray_particles p = fray_view_particles(world);
   if (!picture_source_reserve(s, sheet.warps, sheet.wefts, facts.bodies)) return 0;
   const float mm_per_q24 = (float)facts.lu_um * 1e-3f / 16777216.0f;
@@ -161,7 +161,7 @@ int picture_source_read(picture_source *s, const fray_world *world) {
     s->bodies[k].mm = mm_per_q24;
   }
   for (uint32_t k = 0; k < s->warps * s->wefts; k++) read_crossing(s, world, &p, k, mm_per_q24);
-  read_springs(s, world, &p, facts.rows[FRAY_STRUCTURAL], mm_per_q24);
+  read_springs(s, world, &p, facts.springs[FRAY_STRUCTURAL], mm_per_q24);
   if (!read_triangles(s, world, &p, &facts, mm_per_q24)) {
     picture_source_close(s);
     return 0;
@@ -180,9 +180,8 @@ bounds picture_source_bounds(const picture_source *s) {
   for (uint32_t k = 0; k < s->body_count; k++) {
     const picture_body *body = s->bodies + k;
     for (uint32_t n = 0; n < body->mesh.points; n++) bounds_add(&b, picture_mesh_point(body, n));
-    if (body->shape == FRAY_PLANE || body->shape == FRAY_ANCHOR || body->shape == FRAY_MESH) continue;
-    const float r = body->shape == FRAY_BOX ? v3_length(body->half)
-                    : body->shape == FRAY_BAR ? body->radius + body->half.x : body->radius;
+    const float r = body->radius + v3_length(body->half);
+    if (r == 0.0f) continue; /* a plane, an anchor, a mesh */
     bounds_add(&b, v3_sub(body->position, (v3){r, r, r}));
     bounds_add(&b, v3_add(body->position, (v3){r, r, r}));
   }

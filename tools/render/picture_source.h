@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a picture needs of a world, in millimetres and floats: the only file of tools/render that
  * knows rt/fray.h. Tests and drivers may fill it by hand instead. */
-#ifndef FRAY_RENDER_PICTURE_SOURCE_H
-#define FRAY_RENDER_PICTURE_SOURCE_H
+#ifndef FRAY_TOOLS_RENDER_PICTURE_SOURCE_H
+#define FRAY_TOOLS_RENDER_PICTURE_SOURCE_H
 
 #include <stdint.h>
 
@@ -37,17 +37,18 @@ typedef struct {
   float thickness; /* of the cloth */
   v3 *crossings;   /* [j * warps + i]; of a split one the middle between its two particles */
   uint8_t *split;  /* per crossing: its yarns have a particle each */
-  v3 *parted;      /* half the way from the weft's particle to the warp's; 0 where not split */
+  v3 *half_gap;      /* half the way from the weft's particle to the warp's; 0 where not split */
   uint8_t *pinned; /* per crossing: held in place by an anchor */
-  uint8_t *springs; /* SPRING_*, by canonical number, see fray_sheet */
+  uint8_t *springs; /* SPRING_*, by canonical number, see fray_weave */
   float *load;     /* per spring: strain over the strain at which it is cut; < 0: slack */
-  v3 *vertices;    /* of a triangle sheet, which has no crossings */
+  v3 *vertices;    /* of a membrane, which has no crossings */
   uint8_t *held;   /* per vertex: by an anchor */
   picture_triangle *triangles;
   uint32_t vertex_count, triangle_count;
   picture_body *bodies;
   uint32_t body_count;
-  uint32_t tick, rate_hz;
+  uint64_t tick;
+  uint32_t rate_hz;
 } picture_source;
 
 uint32_t picture_springs(uint32_t warps, uint32_t wefts);

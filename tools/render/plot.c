@@ -25,17 +25,17 @@ uint32_t plot_colour(uint32_t n) {
   return colours[n % PLOT_SERIES_MAX];
 }
 
-plot_ticks plot_choose_ticks(double low, double high, uint32_t most) {
+plot_ticks plot_choose_ticks(double low, double high, uint32_t max) {
   plot_ticks t = {low, 1.0, 0, 0};
-  if (most < 2) most = 2;
-  if (most > PLOT_TICKS_MAX) most = PLOT_TICKS_MAX;
+  if (max < 2) max = 2;
+  if (max > PLOT_TICKS_MAX) max = PLOT_TICKS_MAX;
   if (!isfinite(low) || !isfinite(high) || !(high > low)) return t;
   static const double parts[3] = {1.0, 2.0, 5.0};
-  const int power = portable_decade((high - low) / most) - 1;
+  const int power = portable_decade((high - low) / max) - 1;
   for (int round = 0; round < 12; round++) {
     const double step = parts[round % 3] * portable_power(10.0, power + round / 3);
     const double first = ceil(low / step - 1e-9), last = floor(high / step + 1e-9);
-    if (last - first + 1.0 > most) continue;
+    if (last - first + 1.0 > max) continue;
     t.step = step;
     t.first = first * step + 0.0; /* no minus zero */
     t.count = last >= first ? (uint32_t)(last - first) + 1 : 0;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Line plots. Any number of points a series: each pixel column shows its least and greatest. */
-#ifndef FRAY_RENDER_PLOT_H
-#define FRAY_RENDER_PLOT_H
+#ifndef FRAY_TOOLS_RENDER_PLOT_H
+#define FRAY_TOOLS_RENDER_PLOT_H
 
 #include <stddef.h>
 #include <stdint.h>
@@ -44,7 +44,7 @@ typedef struct {
   uint32_t count;
   int decimals;
 } plot_ticks;
-plot_ticks plot_choose_ticks(double low, double high, uint32_t most);
+plot_ticks plot_choose_ticks(double low, double high, uint32_t max);
 
 /* Least and greatest of y in each of `columns` equal parts of 0..points-1; the part's first point
  * is shared with the part before, so that the drawn line has no gaps. Empty: low > high. */

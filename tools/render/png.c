@@ -2,9 +2,10 @@
 #include "tools/render/png.h"
 
 #include <errno.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "platform/files/output_file.h"
 
 enum { SIDE_MAX = 32768, BYTES_PER_PIXEL = 3, FILTERS = 5 };
 
@@ -46,14 +47,14 @@ static void put_u32(uint8_t *p, uint32_t v) {
   p[3] = (uint8_t)v;
 }
 
-static void add_chunk(byte_row *out, const char *name, const uint8_t *data, size_t count) {
+static void add_chunk(byte_buffer *out, const char *name, const uint8_t *data, size_t count) {
   uint8_t word[4];
   put_u32(word, (uint32_t)count);
-  byte_row_add(out, word, 4);
-  byte_row_add(out, name, 4);
-  byte_row_add(out, data, count);
+  byte_buffer_append(out, word, 4);
+  byte_buffer_append(out, name, 4);
+  byte_buffer_append(out, data, count);
   put_u32(word, png_crc32(png_crc32(0, name, 4), data, count));
-  byte_row_add(out, word, 4);
+  byte_buffer_append(out, word, 4);
 }
 
 static uint8_t paeth(int a, int b, int c) {
@@ -113,7 +114,7 @@ static uint8_t *filter_picture(const uint8_t *rgb, uint32_t width, uint32_t heig
   return filtered;
 }
 
-int png_encode(byte_row *out, const uint8_t *rgb, uint32_t width, uint32_t height) {
+int png_encode(byte_buffer *out, const uint8_t *rgb, uint32_t width, uint32_t height) {
   static const uint8_t signature[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
   static const uint8_t zlib_header[2] = {0x78, 0x9C};
   if (!rgb || width == 0 || height == 0 || width > SIDE_MAX || height > SIDE_MAX) return 0;
@@ -122,7 +123,7 @@ int png_encode(byte_row *out, const uint8_t *rgb, uint32_t width, uint32_t heigh
   put_u32(header + 4, height);
   header[8] = 8; /* bits a sample */
   header[9] = 2; /* RGB */
-  byte_row_add(out, signature, sizeof signature);
+  byte_buffer_append(out, signature, sizeof signature);
   add_chunk(out, "IHDR", header, sizeof header);
   static const uint8_t perceptual = 0;
   add_chunk(out, "sRGB", &perceptual, 1);
@@ -130,35 +131,30 @@ int png_encode(byte_row *out, const uint8_t *rgb, uint32_t width, uint32_t heigh
   size_t count = 0;
   uint8_t *filtered = filter_picture(rgb, width, height, &count);
   if (!filtered) return 0;
-  byte_row body = {0};
-  byte_row_add(&body, zlib_header, sizeof zlib_header);
+  byte_buffer body = {0};
+  byte_buffer_append(&body, zlib_header, sizeof zlib_header);
   int good = deflate_append(&body, filtered, count);
   uint8_t check[4];
   put_u32(check, png_adler32(1, filtered, count));
-  byte_row_add(&body, check, sizeof check);
+  byte_buffer_append(&body, check, sizeof check);
   free(filtered);
   good = good && !body.failed;
   if (good) {
     add_chunk(out, "IDAT", body.data, body.count);
     add_chunk(out, "IEND", NULL, 0);
   }
-  byte_row_free(&body);
+  byte_buffer_free(&body);
   return good && !out->failed;
 }
 
 int png_write(const char *path, const uint8_t *rgb, uint32_t width, uint32_t height) {
-  byte_row file = {0};
+  byte_buffer file = {0};
   if (!png_encode(&file, rgb, width, height)) {
-    byte_row_free(&file);
+    byte_buffer_free(&file);
     errno = EINVAL;
     return 0;
   }
-  FILE *f = fopen(path, "wb");
-  int good = f != NULL;
-  if (f) {
-    good = fwrite(file.data, 1, file.count, f) == file.count;
-    if (fclose(f) != 0) good = 0;
-  }
-  byte_row_free(&file);
+  const int good = output_file_write(path, file.data, file.count);
+  byte_buffer_free(&file);
   return good;
 }

@@ -2,8 +2,8 @@
 /* What a libm computes a little differently on every machine, from + - * / and square roots alone:
  * IEEE 754 gives those one result everywhere, so pictures agree to the byte. It takes a compiler
  * that neither fuses nor widens them: see the options of tools/render in the Makefile. */
-#ifndef FRAY_RENDER_PORTABLE_MATH_H
-#define FRAY_RENDER_PORTABLE_MATH_H
+#ifndef FRAY_TOOLS_RENDER_PORTABLE_MATH_H
+#define FRAY_TOOLS_RENDER_PORTABLE_MATH_H
 
 #include <float.h>
 

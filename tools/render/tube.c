@@ -61,14 +61,14 @@ static int place(const tube *t, const tube_ring *r, canvas_vertex *out) {
   const v3 facing = v3_scale(up, v3_dot(up, towards) < 0.0f ? -1.0f : 1.0f);
   for (uint32_t n = 0; n <= t->sides; n++) {
     const float x = t->cosine[n % t->sides], y = t->sine[n % t->sides];
-    const v3 at = v3_along(v3_along(r->at, side, x * r->wide), up, y * r->thick);
+    const v3 at = v3_add_scaled(v3_add_scaled(r->at, side, x * r->wide), up, y * r->thick);
     /* Shaded rounder than it is: a flat yarn is a bundle of round ones. */
-    const v3 normal = v3_along(v3_scale(side, x * (1.0f - 0.3f * r->tight)), up, y);
+    const v3 normal = v3_add_scaled(v3_scale(side, x * (1.0f - 0.3f * r->tight)), up, y);
     float *a = out[n].a;
     put(a + AT, at);
     put(a + NORMAL, normal);
     put(a + ALONG, r->along);
-    put(a + SMOOTH, v3_along(v3_scale(normal, 1.0f - r->tight), facing, r->tight));
+    put(a + SMOOTH, v3_add_scaled(v3_scale(normal, 1.0f - r->tight), facing, r->tight));
     a[OPEN] = clamp01(1.0f - 0.5f * r->tight + 0.5f * v3_dot(v3_unit(normal), r->away));
     a[ROUND] = (float)n / (float)t->sides;
     a[LENGTH] = r->length;

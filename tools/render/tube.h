@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A yarn as a tube of elliptic rings, drawn ring by ring. */
-#ifndef FRAY_RENDER_TUBE_H
-#define FRAY_RENDER_TUBE_H
+#ifndef FRAY_TOOLS_RENDER_TUBE_H
+#define FRAY_TOOLS_RENDER_TUBE_H
 
 #include "tools/render/camera.h"
 #include "tools/render/canvas.h"
 #include "tools/render/cloth_style.h"
-#include "tools/render/light.h"
+#include "tools/render/lighting.h"
 
 enum { TUBE_SIDES_MAX = 12 };
 

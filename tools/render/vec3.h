@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Float vectors for pictures. Lengths are millimetres, y is up. */
-#ifndef FRAY_RENDER_VEC3_H
-#define FRAY_RENDER_VEC3_H
+#ifndef FRAY_TOOLS_RENDER_VEC3_H
+#define FRAY_TOOLS_RENDER_VEC3_H
 
 #include <math.h>
 
@@ -12,7 +12,7 @@ typedef struct {
 static inline v3 v3_add(v3 a, v3 b) { return (v3){a.x + b.x, a.y + b.y, a.z + b.z}; }
 static inline v3 v3_sub(v3 a, v3 b) { return (v3){a.x - b.x, a.y - b.y, a.z - b.z}; }
 static inline v3 v3_scale(v3 a, float s) { return (v3){a.x * s, a.y * s, a.z * s}; }
-static inline v3 v3_along(v3 a, v3 b, float s) {
+static inline v3 v3_add_scaled(v3 a, v3 b, float s) {
   return (v3){a.x + b.x * s, a.y + b.y * s, a.z + b.z * s};
 }
 static inline float v3_dot(v3 a, v3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }

@@ -4,7 +4,7 @@
 #include "tools/render/yarn_axes.h"
 
 static v3 wire_point(const picture_source *s, int axis, uint32_t crossing) {
-  return v3_along(s->crossings[crossing], s->parted[crossing], axis == AXIS_WARP ? 1.0f : -1.0f);
+  return v3_add_scaled(s->crossings[crossing], s->half_gap[crossing], axis == AXIS_WARP ? 1.0f : -1.0f);
 }
 
 static void draw_wire(canvas *c, const camera *cam, const picture_source *s, v3 from, v3 to,

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The cloth as lines: every living structural spring, in one colour where it joins whole crossings
  * and in another where a crossing has split into yarns. Bodies hide them; they hide nothing. */
-#ifndef FRAY_RENDER_WIRE_PICTURE_H
-#define FRAY_RENDER_WIRE_PICTURE_H
+#ifndef FRAY_TOOLS_RENDER_WIRE_PICTURE_H
+#define FRAY_TOOLS_RENDER_WIRE_PICTURE_H
 
 #include "tools/render/camera.h"
 #include "tools/render/canvas.h"

@@ -81,13 +81,13 @@ v3 yarn_axes_at(const yarn_axes *a, int axis, uint32_t crossing) {
   const picture_source *s = a->source;
   const v3 middle = s->crossings[crossing];
   if (s->split[crossing])
-    return v3_along(middle, s->parted[crossing], axis == AXIS_WARP ? 1.0f : -1.0f);
-  return v3_along(middle, a->normal[crossing], yarn_axes_side(a, axis, crossing) * 0.5f * a->apart);
+    return v3_add_scaled(middle, s->half_gap[crossing], axis == AXIS_WARP ? 1.0f : -1.0f);
+  return v3_add_scaled(middle, a->normal[crossing], yarn_axes_side(a, axis, crossing) * 0.5f * a->apart);
 }
 
 float yarn_axes_tight(const yarn_axes *a, uint32_t crossing) {
   if (!a->source->split[crossing]) return 1.0f;
-  const float gap = 2.0f * v3_length(a->source->parted[crossing]);
+  const float gap = 2.0f * v3_length(a->source->half_gap[crossing]);
   return clamp01(1.5f - 0.5f * gap / a->apart);
 }
 

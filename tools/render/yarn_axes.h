@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Where the yarns of a sheet run: from end to end, a point at every crossing, a piece between two
  * points that lives or is cut. This is all that pictures of yarns know of split crossings. */
-#ifndef FRAY_RENDER_YARN_AXES_H
-#define FRAY_RENDER_YARN_AXES_H
+#ifndef FRAY_TOOLS_RENDER_YARN_AXES_H
+#define FRAY_TOOLS_RENDER_YARN_AXES_H
 
 #include "tools/render/picture_source.h"
 

@@ -14,7 +14,7 @@ check() { # WHAT COMMAND...
 }
 # FILE INTERFACE FRAMES: candump -L into FILE, back when the kernel has it on its list of receivers
 listen() {
-  timeout 60 candump -L -n "$3" "$2" >"$1" &
+  timeout 900 candump -L -n "$3" "$2" >"$1" &
   listener=$!
   tries=0
   until grep -qs " $2 " /proc/net/can/rcvlist_all || [ $tries -eq 1000 ]; do

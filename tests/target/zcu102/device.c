@@ -27,7 +27,7 @@ static struct {
   uint8_t felt[FRAY_HANDS], has_felt[FRAY_HANDS];
 } self;
 
-static void say(const frame *f) {
+static void send_frame(const frame *f) {
   recorder_add(f, timer_us(timer_now()));
   if (!can_send(CAN1_BASE, f)) ++device_felt.bad;
 }
@@ -44,16 +44,16 @@ static void say_poses(const fray_input *in) {
     self.counter[h] = (uint8_t)((self.counter[h] + 1u) & 15u);
     pose.counter = self.counter[h];
     codec_encode_pose(&f, INSTANCE, h, &pose);
-    say(&f);
+    send_frame(&f);
   }
 }
 
-static void say_command(uint8_t verb) {
+static void send_command(uint8_t verb) {
   frame f;
   self.command = (uint8_t)((self.command + 1u) & 15u);
   const codec_command command = {self.command, verb, 0};
   codec_encode_command(&f, INSTANCE, &command);
-  say(&f);
+  send_frame(&f);
 }
 
 static void flood(void) {
@@ -61,7 +61,7 @@ static void flood(void) {
   const fray_pose pose = {0, 0, 0, 0, 0};
   codec_encode_pose(&f, INSTANCE, 0, &pose);
   f.data[0] ^= 0xFFu;
-  for (uint32_t n = 0; n < DEVICE_FLOOD; ++n) say(&f);
+  for (uint32_t n = 0; n < DEVICE_FLOOD; ++n) send_frame(&f);
 }
 
 static int is_silent(uint32_t sync) {
@@ -78,7 +78,7 @@ static void hear_sync(const frame *f) {
   const uint32_t number = device_felt.syncs++;
   bytes_copy(self.newest, self.counter, sizeof self.newest);
   const fray_input *in = answer_to(number);
-  if (in->verb != FRAY_VERB_NONE && number < self.count) say_command(in->verb);
+  if (in->command != FRAY_COMMAND_NONE && number < self.count) send_command(in->command);
   if (self.plan->flood_at != 0 && number == self.plan->flood_at) {
     flood();
   } else if (!is_silent(number)) {
@@ -174,7 +174,7 @@ void board_other_interrupt(uint32_t id) {
   }
 }
 
-void device_begin(const device_plan *plan, const fray_input *script, uint32_t count) {
+void simulated_device_begin(const device_plan *plan, const fray_input *script, uint32_t count) {
   self.plan = plan;
   self.script = script;
   self.count = count;

@@ -2,8 +2,8 @@
 /* A two-handed device on CAN 1: answers each SYNC with the poses and commands of its script, checks
  * what it feels, and drops its own force after 3 ms without a FORCE. It runs in the interrupt of
  * CAN 1, which comes after that of CAN 0, and in a timer of its own. */
-#ifndef FRAY_TARGET_DEVICE_H
-#define FRAY_TARGET_DEVICE_H
+#ifndef FRAY_TESTS_TARGET_ZCU102_DEVICE_H
+#define FRAY_TESTS_TARGET_ZCU102_DEVICE_H
 
 #include <stdint.h>
 
@@ -40,6 +40,6 @@ void device_wake(uint64_t at);
 
 /* Joins CAN 1 and begins its timer. `script[count]`: the answer to each SYNC; behind its end the
  * last poses stay. The world's instance is 0. */
-void device_begin(const device_plan *plan, const fray_input *script, uint32_t count);
+void simulated_device_begin(const device_plan *plan, const fray_input *script, uint32_t count);
 
 #endif

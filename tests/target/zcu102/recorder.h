@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What CAN 1 sees of the bus and sends to it, in that order, as `candump -L` would write it. */
-#ifndef FRAY_TARGET_RECORDER_H
-#define FRAY_TARGET_RECORDER_H
+#ifndef FRAY_TESTS_TARGET_ZCU102_RECORDER_H
+#define FRAY_TESTS_TARGET_ZCU102_RECORDER_H
 
 #include <stdint.h>
 

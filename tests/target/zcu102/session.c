@@ -8,7 +8,7 @@
 #include "platform/zcu102/can.h"
 #include "platform/zcu102/console.h"
 #include "platform/zcu102/semihost.h"
-#include "tests/cross/cases.h"
+#include "tests/determinism/cases.h"
 #include "tests/target/zcu102/device.h"
 #include "tests/target/zcu102/recorder.h"
 #include "tests/target/zcu102/wire.h"
@@ -62,7 +62,7 @@ static uint32_t largest_force(const fray_output *o) {
 }
 
 static void look(const fray_output *o) {
-  const uint32_t tick = o->tick + 1u;
+  const uint32_t tick = (uint32_t)o->tick + 1u;
   const uint32_t force = largest_force(o);
   if (o->state == FRAY_OPERATIONAL && seen.operational == 0) seen.operational = tick;
   if (o->state == FRAY_OPERATIONAL && seen.safe != 0 && seen.again == 0) seen.again = tick;
@@ -81,7 +81,7 @@ static void print(const char *key, uint64_t value) {
 
 static void print_runtime(void) {
   print("ticks", runtime.tick);
-  print("cuts", runtime.output.cuts_total);
+  print("cuts", runtime.output.tears_total);
   print("faults", runtime.output.faults);
   print("state", runtime.output.state);
   print("operational", seen.operational);
@@ -118,7 +118,7 @@ static void print_board(void) {
 }
 
 static int open_world(fray_world **world) {
-  const cross_case *c = &cross_cases[0];
+  const replay_case *c = &replay_cases[0];
   fray_error error;
   const fray_status status =
       fray_open(c->image, c->image_bytes, memory, sizeof memory, world, &error);
@@ -133,13 +133,14 @@ static int run(const device_plan *plan) {
   fray_world *world;
   if (!open_world(&world)) return 1;
   loop_begin(&runtime, world, 0);
-  device_begin(plan, cross_cases[0].inputs, cross_cases[0].input_count);
-  board_open(0, fray_describe(world).rate_hz);
+  simulated_device_begin(plan, replay_cases[0].inputs, replay_cases[0].input_count);
+  board_open(0, fray_get_info(world).rate_hz);
   for (uint32_t n = 0; n < ATTEMPTS && runtime.tick < plan->ticks; ++n) {
     if (loop_run(&runtime) == LOOP_TICKED) look(&runtime.output);
     /* between two tries of a SYNC: it goes out while nobody waits for it */
     if (plan->off_us == 0 && runtime.bus_losses == LATE_LOSSES) can_join(plan->off_base);
   }
+  (void)loop_close(&runtime);
   zcu102_board.stopping = 1;
   const int stopped = loop_run(&runtime) == LOOP_STOPPED;
   timer_sleep(timer_now() + timer_counts(QUIET_US), 0);
@@ -155,7 +156,7 @@ static int run(const device_plan *plan) {
 static int fill(const device_plan *plan) {
   static const frame f = {.id = FRAME_ID_MAX, .length = FRAME_DATA_CLASSIC};
   uint32_t sent = 0;
-  device_begin(plan, cross_cases[0].inputs, cross_cases[0].input_count);
+  simulated_device_begin(plan, replay_cases[0].inputs, replay_cases[0].input_count);
   board_open(0, 1000);
   can_leave(CAN0_BASE);
   for (uint32_t n = 0; n < DEVICE_FLOOD; ++n) sent += platform_send(&f) == PLATFORM_SENT;
@@ -178,7 +179,7 @@ int main(void) {
   }
   if (same_word(plan->name, "stack")) return (int)dig(1u << 20);
   if (same_word(plan->name, "flash")) {
-    *(volatile uint8_t *)(uintptr_t)cross_cases[0].image = 0;
+    *(volatile uint8_t *)(uintptr_t)replay_cases[0].image = 0;
     return 1;
   }
   return same_word(plan->name, "full") ? fill(plan) : run(plan);

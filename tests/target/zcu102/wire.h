@@ -2,8 +2,8 @@
 /* The bus between CAN 0 and CAN 1: QEMU's own (wire_qemu.c, with platform/zcu102/can.c), where a
  * frame passes at once and needs nobody, or one of bits and acknowledges (wire_model.c, instead of
  * both). */
-#ifndef FRAY_TARGET_WIRE_H
-#define FRAY_TARGET_WIRE_H
+#ifndef FRAY_TESTS_TARGET_ZCU102_WIRE_H
+#define FRAY_TESTS_TARGET_ZCU102_WIRE_H
 
 #include <stdint.h>
 

@@ -1,0 +1,160 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#define _XOPEN_SOURCE 700
+
+#include "platform/files/output_file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "platform/files/input_file.h"
+
+enum { OPEN_MAX_FILES = 16, TRIES = 1000, IN_PLACE = -1 };
+enum { SLOT_FREE, SLOT_TAKEN, SLOT_NAMED };
+
+/* Names of files that are not whole yet; a signal handler removes those of slots that are NAMED. */
+static char names[OPEN_MAX_FILES][OUTPUT_FILE_PATH];
+static atomic_int slots[OPEN_MAX_FILES];
+
+static int take_slot(void) {
+  for (int n = 0; n < OPEN_MAX_FILES; ++n) {
+    int free_slot = SLOT_FREE;
+    if (atomic_compare_exchange_strong(&slots[n], &free_slot, SLOT_TAKEN)) return n;
+  }
+  errno = EMFILE;
+  return IN_PLACE;
+}
+
+/* A new file in the folder of `target`, hidden, whose name nothing has. Returns its descriptor, or -1. */
+static int create_aside(const char *target, int slot) {
+  const char *slash = strrchr(target, '/');
+  const int folder = slash != NULL ? (int)(slash - target + 1) : 0;
+  for (int n = 0; n < TRIES; ++n) {
+    const int length = snprintf(names[slot], OUTPUT_FILE_PATH, "%.*s.fray-%ld-%d", folder, target, (long)getpid(), n);
+    if (length >= OUTPUT_FILE_PATH) {
+      errno = ENAMETOOLONG;
+      return -1;
+    }
+    const int fd = open(names[slot], O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (fd >= 0 || errno != EEXIST) return fd;
+  }
+  errno = EEXIST;
+  return -1;
+}
+
+/* Aside of `target`; `old` is the file that it has, NULL: none. */
+static int open_aside(output_file *f, const struct stat *old) {
+  f->aside = take_slot();
+  if (f->aside == IN_PLACE) return 0;
+  const int fd = create_aside(f->target, f->aside);
+  if (fd < 0) {
+    atomic_store(&slots[f->aside], SLOT_FREE);
+    return 0;
+  }
+  atomic_store(&slots[f->aside], SLOT_NAMED);
+  if (old != NULL) (void)fchmod(fd, old->st_mode & 0777);
+  f->stream = fdopen(fd, "wb");
+  if (f->stream != NULL) return 1;
+  const int fault = errno;
+  (void)close(fd);
+  output_file_drop(f);
+  errno = fault;
+  return 0;
+}
+
+/* Where the links of `path` lead, into f->target. */
+static int find_target(output_file *f, const char *path) {
+  char *found = realpath(path, NULL);
+  const int length = snprintf(f->target, sizeof f->target, "%s", found != NULL ? found : path);
+  free(found);
+  errno = ENAMETOOLONG;
+  return length < OUTPUT_FILE_PATH;
+}
+
+int output_file_open(output_file *f, const char *path) {
+  struct stat old;
+  f->stream = NULL;
+  f->aside = IN_PLACE;
+  if (stat(path, &old) != 0) return find_target(f, path) && open_aside(f, NULL);
+  if (S_ISDIR(old.st_mode)) {
+    errno = EISDIR;
+    return 0;
+  }
+  if (!S_ISREG(old.st_mode)) return (f->stream = fopen(path, "wb")) != NULL;
+  if (input_file_was_read(&old)) {
+    errno = EEXIST;
+    return 0;
+  }
+  return access(path, W_OK) == 0 && find_target(f, path) && open_aside(f, &old);
+}
+
+static int give_name(output_file *f) {
+  if (f->aside == IN_PLACE) return 1;
+  if (rename(names[f->aside], f->target) != 0) return 0;
+  atomic_store(&slots[f->aside], SLOT_FREE);
+  f->aside = IN_PLACE;
+  return 1;
+}
+
+int output_file_keep(output_file *f) {
+  errno = EIO; /* of a write that failed before: its own is gone */
+  int good = !ferror(f->stream);
+  good = fflush(f->stream) == 0 && good;
+  int fault = good ? 0 : errno;
+  if (fclose(f->stream) != 0 && fault == 0) fault = errno;
+  f->stream = NULL;
+  if (fault == 0 && give_name(f)) return 1;
+  if (fault == 0) fault = errno;
+  output_file_drop(f);
+  errno = fault;
+  return 0;
+}
+
+static void sync_folder(const char *file) {
+  char folder[OUTPUT_FILE_PATH];
+  const char *slash = strrchr(file, '/');
+  snprintf(folder, sizeof folder, "%.*s", slash != NULL ? (int)(slash - file + 1) : 1, slash != NULL ? file : ".");
+  const int fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) return;
+  (void)fsync(fd);
+  (void)close(fd);
+}
+
+int output_file_name(output_file *f) {
+  if (f->aside == IN_PLACE) return 1;
+  if (!give_name(f)) return 0;
+  sync_folder(f->target);
+  return 1;
+}
+
+void output_file_drop(output_file *f) {
+  if (f->stream != NULL) (void)fclose(f->stream);
+  f->stream = NULL;
+  if (f->aside == IN_PLACE) return;
+  (void)unlink(names[f->aside]);
+  atomic_store(&slots[f->aside], SLOT_FREE);
+  f->aside = IN_PLACE;
+}
+
+int output_file_write(const char *path, const void *data, size_t bytes) {
+  output_file f;
+  if (!output_file_open(&f, path)) return 0;
+  if (fwrite(data, 1, bytes, f.stream) == bytes) return output_file_keep(&f);
+  const int fault = errno;
+  output_file_drop(&f);
+  errno = fault;
+  return 0;
+}
+
+const char *output_file_reason(void) {
+  return errno == EEXIST ? "this command reads it, expected another name" : strerror(errno);
+}
+
+void output_file_drop_all(void) {
+  for (int n = 0; n < OPEN_MAX_FILES; ++n)
+    if (atomic_load(&slots[n]) == SLOT_NAMED) (void)unlink(names[n]);
+}

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Collision of cloth with rigid bodies: the stages of a tick, in their order. */
+#ifndef FRAY_CONTACT_CONTACT_H
+#define FRAY_CONTACT_CONTACT_H
+
+#include "rt/state/world.h"
+
+/* Once a tick: broad phase against spheres, capsules, boxes and planes. */
+void contact_gather(fray_world *w);
+
+/* Each substep. */
+void contact_vertices_begin(fray_world *w);   /* with rigid meshes: positions at the start of the substep */
+void contact_primitives_solve(fray_world *w); /* narrow phase, push-out and friction */
+void contact_vertices_solve(fray_world *w);   /* with rigid meshes: CCD; of triangles too in some worlds */
+void contact_update_velocity(fray_world *w);  /* a touching particle keeps no velocity away from the body */
+
+/* Repeats the mesh test after triangle self-collision; returns how many vertices had to be pinned. */
+uint32_t contact_vertices_check(fray_world *w);
+
+/* Contacts first to end - 1, for ticks that several workers compute. */
+void contact_primitives_range(fray_world *w, uint32_t first, uint32_t end);
+void contact_update_velocity_range(fray_world *w, uint32_t first, uint32_t end);
+
+#endif

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Triangles of the membrane against one rigid mesh or sphere. Called by contact_vertices.c, which has
+ * set side_mask of every vertex by collider_sides(). */
+#ifndef FRAY_CONTACT_CONTACT_TRIANGLES_H
+#define FRAY_CONTACT_CONTACT_TRIANGLES_H
+
+#include "rt/contact/collider.h"
+
+enum { CONTACT_TRIANGLES_FREE = 0xFFFF }; /* instead of a body: no attached vertex is in the way */
+
+/* Pushes triangles out of the body, then pins those that cross it nevertheless. budget[0] and
+ * [1]: how many triangles may be pushed, and tested, still. Returns CONTACT_TRIANGLES_FREE, or the body
+ * that holds vertices which would have to move for this one. */
+uint32_t contact_triangles_solve(fray_world *w, const collider *t, uint32_t budget[2]);
+/* Repeats the tests after another body has moved vertices. Returns how many triangles were pinned;
+ * *holder as above. */
+uint32_t contact_triangles_check(fray_world *w, const collider *t, uint32_t *budget, uint32_t *holder);
+/* Pins every triangle near the body. */
+void contact_triangles_pin(fray_world *w, const collider *t);
+
+#endif

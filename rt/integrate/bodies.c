@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Rigid bodies: driven ones follow their way through the tick, free ones fall (explicit Euler). */
+#include "rt/integrate/integrate.h"
+#include "rt/simd/particle_loops.h"
+
+/* Gravity per substep is not a whole number of velocity steps; the fraction accumulates. */
+static int32_t gravity_step(int32_t whole, int32_t rest, int32_t *phase) {
+  const uint64_t sum = (uint64_t)(uint32_t)*phase + (uint32_t)rest;
+  *phase = (int32_t)(uint32_t)(sum & 0xFFFFFFFFu);
+  return whole + (int32_t)(sum >> 32);
+}
+
+/* from + (to - from) * done / all, without a wide division. */
+static int32_t part_way(int32_t from, int32_t to, int32_t done, int32_t all) {
+  FRAY_ASSERT(done > 0 && done <= all);
+  const int32_t way = fx_sub(to, from);
+  return from + way / all * done + way % all * done / all;
+}
+
+static void drive_body(fray_world *w, uint32_t b, int32_t done, int32_t all) {
+  body_motion *m = &w->rigid.motion[b];
+  int32_t *at = w->rigid.states[b].position;
+  const vec3 before = vec_of(at);
+  at[0] = part_way(m->from.x, m->to.x, done, all);
+  at[1] = part_way(m->from.y, m->to.y, done, all);
+  at[2] = part_way(m->from.z, m->to.z, done, all);
+  m->moved = vec_sub(vec_of(at), before);
+  vec_store(w->rigid.states[b].velocity, vec_clamp64(vec_scale64(m->moved, 1 << FX_SUB_BITS), INT32_MAX));
+}
+
+static void fly_body(fray_world *w, uint32_t b) {
+  body_state *s = &w->rigid.states[b];
+  const int32_t gravity[3] = {w->gravity_step.x, w->gravity_step.y, w->gravity_step.z};
+  int32_t moved[3];
+  for (uint32_t n = 0; n < 3; ++n) {
+    FRAY_ASSERT(s->remainder[n] >= -8 && s->remainder[n] <= 8);
+    int8_t remainder = (int8_t)s->remainder[n];
+    int32_t unused;
+    const int32_t before = s->position[n];
+    if (loop_advance(&s->position[n], &unused, &s->velocity[n], &remainder, 0, 1, gravity[n]) != 0) {
+      s->velocity[n] = 0;
+      world_fault(w, FRAY_FAULT_OUT_OF_WORLD);
+    }
+    s->remainder[n] = remainder;
+    moved[n] = s->position[n] - before;
+  }
+  w->rigid.motion[b].moved = vec_of(moved);
+}
+
+void bodies_advance(fray_world *w, uint32_t substep) {
+  const params *p = w->params;
+  state *s = w->state;
+  FRAY_ASSERT(substep < (uint32_t)p->substeps && (uint32_t)p->bodies <= w->capacity[POOL_BODIES]);
+  w->gravity_step = vec_make(gravity_step(p->gravity_x, p->gravity_rest_x, &s->gravity_phase[0]),
+                             gravity_step(p->gravity_y, p->gravity_rest_y, &s->gravity_phase[1]),
+                             gravity_step(p->gravity_z, p->gravity_rest_z, &s->gravity_phase[2]));
+  for (uint32_t b = 0; b < (uint32_t)p->bodies; ++b) {
+    if (w->rigid.bodies[b].motion == FRAY_FREE)
+      fly_body(w, b);
+    else
+      drive_body(w, b, (int32_t)substep + 1, p->substeps);
+  }
+}
+
+/* Momentum that the cloth gained since the last substep. */
+static void push_body(fray_world *w, uint32_t b) {
+  body_motion *m = &w->rigid.motion[b];
+  body_state *s = &w->rigid.states[b];
+  const int64_t bound = (int64_t)1 << 32;
+  FRAY_ASSERT(w->rigid.bodies[b].mass_ratio >= 0);
+  for (uint32_t n = 0; n < 3; ++n) {
+    const int64_t gained = fx_clamp64(m->impulse[n] - m->applied[n], -bound, bound);
+    const int64_t change =
+        (int64_t)(uint32_t)s->fraction[n] - fx_mul64(gained, w->rigid.bodies[b].mass_ratio);
+    m->applied[n] = m->impulse[n];
+    s->velocity[n] = fx_saturate(s->velocity[n] + fx_asr64(change, 30));
+    s->fraction[n] = (int32_t)(change & ((1 << 30) - 1));
+  }
+}
+
+void bodies_update_velocity(fray_world *w) {
+  for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
+    if (w->rigid.bodies[b].motion == FRAY_FREE) push_body(w, b);
+}

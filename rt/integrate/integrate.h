@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Motion of particles and rigid bodies: explicit Euler for positions, and velocities from what projections
+ * and collisions made of them (Metaaphanon 2009, section 4, steps 1, 2, 4 and 8). */
+#ifndef FRAY_INTEGRATE_INTEGRATE_H
+#define FRAY_INTEGRATE_INTEGRATE_H
+
+#include "rt/state/world.h"
+
+/* The gravity of this substep; moves driven bodies along their way through the tick, and free ones by their
+ * velocity. substep: 0 to params.substeps - 1, in order. */
+void bodies_advance(fray_world *w, uint32_t substep);
+/* Free bodies gain the opposite of what the cloth gained from them in this substep. */
+void bodies_update_velocity(fray_world *w);
+
+/* Free particles gain gravity and move by their velocity; predicted = position. */
+void particles_advance(fray_world *w);
+/* Attached particles move with their bodies. */
+void particles_carry(fray_world *w);
+/* Velocities take over the displacement of positions from their predictions. */
+void particles_update_velocity(fray_world *w);
+/* Once a tick, in its last substep: what projections pushed past the edge of the world comes back to
+ * FX_EDGE_MAX, so that every saved world opens. Later stages keep to that. */
+void particles_hold(fray_world *w);
+
+/* The same of particles first to end - 1, for ticks that several workers compute. */
+void particles_advance_range(fray_world *w, uint32_t first, uint32_t end);
+void particles_update_velocity_range(fray_world *w, uint32_t first, uint32_t end);
+void particles_hold_range(fray_world *w, uint32_t first, uint32_t end);
+
+#endif

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The force of stress on the corners of triangles (Karaoz 2015, 2.32), in every elastic step. SIMD twin:
+ * rt/simd/membrane_force_lanes.inl.h.
+ *
+ * Force on corner j, with the area A of a triangle, is -A (r_uj (s_uu U + s_uv V) + r_vj (s_vv V + s_uv U)).
+ * membrane_gains.c has A, c and the units in one gain: impulses are Q26.
+ *
+ *   U, V             Q28    of Q30 edges
+ *   strain           Q28
+ *   gain * strain    held to 2^31, four bits more than the impulse
+ *
+ * Corners 1 and 2 get their impulses, corner 0 the opposite of both, so the sum is zero to the last bit. An
+ * impulse of a corner is held to 2^26 - 2^22: those of 16 triangles fit 32 bits, with as much as bending and
+ * the wind may add. */
+#include "rt/membrane/membrane.h"
+#include "rt/simd/simd.h"
+#include "rt/state/deformation.h"
+
+/* P Q30 and r Q22 to the impulse of a corner along one axis. */
+static inline int32_t corner_impulse(int32_t p1, int32_t p2, int32_t r1, int32_t r2) {
+  const int64_t sum = fx_mul_wide(p1, r1) + fx_mul_wide(p2, r2);
+  return fx_clamp_wide(fx_round64(sum, TRIMESH_WEIGHT_BITS + FORCE_MORE_BITS), FORCE_MAX);
+}
+
+/* Impulses of corners 1 and 2 along one axis. */
+typedef struct {
+  int32_t one, two;
+} axis_impulses;
+static inline axis_impulses axis_impulses_of(const trimesh_weights *r, int32_t u, int32_t v,
+                                             const material_tensor *s) {
+  const int32_t p1 = material_round(fx_mul_wide(s->uu, u) + fx_mul_wide(s->uv, v));
+  const int32_t p2 = material_round(fx_mul_wide(s->uv, u) + fx_mul_wide(s->vv, v));
+  const axis_impulses j = {corner_impulse(p1, p2, r->u1, r->v1), corner_impulse(p1, p2, r->u2, r->v2)};
+  return j;
+}
+
+/* Q30. */
+static vec3 edge_vector(const elastic_position *place, uint32_t from, uint32_t to) {
+  return vec_make(elastic_difference(&place[from], &place[to], 0),
+                  elastic_difference(&place[from], &place[to], 1),
+                  elastic_difference(&place[from], &place[to], 2));
+}
+
+static void force_triangle(const force_view *view, uint32_t t) {
+  const index_t *v = view->triangle[t].v;
+  const trimesh_weights *r = &view->weights[t];
+  const deformation d =
+      deformation_from_edges(edge_vector(view->place, v[0], v[1]), edge_vector(view->place, v[0], v[2]), r,
+                             FX_VELOCITY_BITS + ELASTIC_DIFFERENCE_MORE);
+  const material_tensor stress = material_stress(view->gains[t].c, material_strain(d.u, d.v));
+  const axis_impulses x = axis_impulses_of(r, d.u.x, d.v.x, &stress);
+  const axis_impulses y = axis_impulses_of(r, d.u.y, d.v.y, &stress);
+  const axis_impulses z = axis_impulses_of(r, d.u.z, d.v.z, &stress);
+  elastic_impulse_add(&view->sum[v[0]], vec_make(x.one + x.two, y.one + y.two, z.one + z.two));
+  elastic_impulse_add(&view->sum[v[1]], vec_make(-x.one, -y.one, -z.one));
+  elastic_impulse_add(&view->sum[v[2]], vec_make(-x.two, -y.two, -z.two));
+}
+
+void membrane_force_add(fray_world *w) {
+  FRAY_ASSERT(world_has_membrane(w));
+  const force_view view = {w->membrane.positions, w->membrane.impulse, w->trimesh.triangle,
+                           w->trimesh.weights, w->membrane.gains};
+  const uint32_t count = triangles_in_use(w);
+  uint32_t t = 0;
+  while (t < count) {
+    t += simd_membrane_force(w->kernel, &view, t, count);
+    if (t < count) force_triangle(&view, t++);
+  }
+  w->work.element_forces += count;
+}

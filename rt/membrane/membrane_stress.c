@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The stress of every triangle at the beginning of a tick; membrane_tear.c tears by it. SIMD twin:
+ * rt/simd/membrane_stress_lanes.inl.h.
+ *
+ *   U, V     what weft and warp have become (2.26, 2.27)       Q28       deformation_of()
+ *   G        Green's strain of them (2.28 to 2.31)             Q28       material_strain()
+ *   c        stiffness at the smoothed strain (2.59)           Q12 N/m   material_stiffness()
+ *   stress   c G (2.60), times membrane_softening(), Q30       Q12 N/m   material_stress()
+ *
+ * (Karaoz 2015.) c stays in `gains` until membrane_gains_update() makes gains of it, with which
+ * membrane_force.c computes the force in each elastic step. */
+#include "rt/membrane/membrane.h"
+#include "rt/simd/simd.h"
+#include "rt/state/deformation.h"
+
+static void lowpass(material_tensor *mean, material_tensor to, unsigned shift) {
+  mean->uu += (int32_t)fx_round64((int64_t)to.uu - mean->uu, shift);
+  mean->vv += (int32_t)fx_round64((int64_t)to.vv - mean->vv, shift);
+  mean->uv += (int32_t)fx_round64((int64_t)to.uv - mean->uv, shift);
+}
+
+/* Returns the strain that c goes by. */
+static material_tensor smooth_strain(smoothed_strain *s, material_tensor strain, unsigned shift) {
+  if (shift == 0) return strain;
+  for (uint32_t n = 0; n < SMOOTHED_STRAIN_POLES; ++n)
+    lowpass(&s->mean[n], n == 0 ? strain : s->mean[n - 1u], shift);
+  return s->mean[SMOOTHED_STRAIN_POLES - 1];
+}
+
+static void stress_triangle(const fray_world *w, uint32_t t) {
+  FRAY_ASSERT(w->trimesh.area[t] > 0 && w->trimesh.material[t] < w->trimesh.params->materials);
+  const deformation d = deformation_of(w, t);
+  const material_tensor strain = material_strain(d.u, d.v);
+  const int32_t softening = membrane_softening(w, t);
+  int32_t *c = w->membrane.gains[t].c;
+  material_tensor *stress = &w->membrane.stress[t];
+  const unsigned shift = (unsigned)w->membrane.constants->smoothing_shift;
+  material_stiffness(&w->membrane.materials[w->trimesh.material[t]],
+                     smooth_strain(&w->membrane.smoothed_strains[t], strain, shift), c);
+  *stress = material_stress(c, strain);
+  if (softening == 1 << 30) return;
+  stress->uu = fx_mul_round(stress->uu, softening, 30);
+  stress->vv = fx_mul_round(stress->vv, softening, 30);
+  stress->uv = fx_mul_round(stress->uv, softening, 30);
+}
+
+void membrane_stress_update(fray_world *w) {
+  FRAY_ASSERT(world_has_membrane(w));
+  const trimesh *s = &w->trimesh;
+  const membrane_params *c = w->membrane.constants;
+  const stress_view view = {{w->p.x, w->p.y, w->p.z}, s->triangle, s->weights, w->membrane.materials,
+                            s->material, (unsigned)c->smoothing_shift, c->weight2_max,
+                            w->membrane.smoothed_strains, w->membrane.gains, w->membrane.stress};
+  const uint32_t count = triangles_in_use(w);
+  uint32_t t = 0;
+  FRAY_ASSERT(count <= w->capacity[POOL_TRIANGLES]);
+  while (t < count) {
+    t += simd_membrane_stress(w->kernel, &view, t, count);
+    if (t < count) stress_triangle(w, t++);
+  }
+}

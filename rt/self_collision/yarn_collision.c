@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Self-collision of the woven cloth: yarns do not pass through each other (Metaaphanon 2009, section
+ * 4.2, equation 5; the response is ours, after Bridson et al. 2002). Segments of yarns are structural
+ * links that are not broken; those that share a particle, or a crossing that holds its yarns together, are
+ * left to the weave and to yarn slip.
+ *
+ * Once a tick, after its last substep and after breaks and splits: every particle has moved on a
+ * straight path from where the tick began to where it is now. If nothing touches on these paths at any
+ * time, no yarn has passed another, whatever the substeps did in between. So:
+ *
+ *   find    segments that may come near each other (yarn_collision_find.c)
+ *   push    those that come nearer than the thickness, a few rounds; the speed at which they approach is
+ *           removed; positions are moved without changing velocities (yarn_collision_pair.c)
+ *   merge   those that touch on their paths nevertheless: both become one impact zone, which moves by
+ *           its mean path from where the tick began, where they did not touch; a few rounds, then all
+ *           pairs that are left
+ *
+ * If a particle is moved farther from its path's end than the slack that the search allowed for, the
+ * pass is repeated. If the passes do not settle it, the whole cloth moves as one zone in this tick, and
+ * FRAY_FAULT_SELF_COLLISION_BUDGET is set. Zones do not change velocities, so momentum is conserved to
+ * the last bit in each case. Attached particles follow their bodies: bodies that carry yarns through
+ * each other are reported, not stopped. */
+#include "rt/self_collision/yarn_collision.h"
+
+#include "rt/self_collision/self_collision.h"
+
+#define COLLISION_PAIR self_pair
+
+static inline uint32_t pair_count(const fray_world *w) { return w->yarn.pair_count; }
+static inline self_pair *pair_at(const fray_world *w, uint32_t n) { return &w->yarn.pairs[n]; }
+static inline uint32_t pair_particle(const fray_world *w, const self_pair *pair, uint32_t n) {
+  const uint32_t spring = n < 2 ? pair->a : pair->b;
+  return n % 2u == 0 ? w->woven.spring_i[spring] : w->woven.spring_j[spring];
+}
+static inline int pair_push(fray_world *w, self_pair *pair) { return yarn_collision_push(w, pair); }
+static inline int pair_touches(fray_world *w, const self_pair *pair) {
+  return yarn_collision_touches(w, pair);
+}
+
+#include "rt/self_collision/collision_passes.inl.h"
+
+void yarn_collision_merge(fray_world *w, const self_pair *pair) { pair_merge(w, pair); }
+
+void yarn_collision_begin(fray_world *w) {
+  FRAY_ASSERT(world_has_yarn_collision(w));
+  for (uint32_t p = 0; p < w->p.count; ++p) w->self.paths[p].begin = world_position(w, p);
+  w->yarn.particles_before = w->p.count;
+}
+
+/* Particles that a split has made in this tick began where their crossing was. */
+static void begin_new_particles(fray_world *w) {
+  FRAY_ASSERT(w->yarn.particles_before <= w->p.count);
+  for (uint32_t p = w->yarn.particles_before; p < w->p.count; ++p)
+    w->self.paths[p].begin = w->self.paths[w->woven.crossing_particle[w->woven.crossing_of[p]]].begin;
+}
+
+void yarn_collision_solve(fray_world *w) {
+  FRAY_ASSERT(world_has_yarn_collision(w));
+  begin_new_particles(w);
+  for (uint32_t pass = 0; pass < SELF_PASSES; ++pass) {
+    impact_zones_begin(w);
+    if (!yarn_collision_find(w)) break;
+    if (pass == 0) (void)push_pairs(w);
+    merge_pairs(w);
+    if (impact_zones_are_near(w)) return;
+  }
+  impact_zones_join_all(w);
+}

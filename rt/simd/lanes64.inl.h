@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Scalar twin: rt/base/fx.h. Rounding, dot and cross products and roots with 64 bits a lane. */
+#ifndef FRAY_SIMD_LANES64_INL_H
+#define FRAY_SIMD_LANES64_INL_H
+
+#include "rt/base/fx.h"
+#include "rt/simd/spring_lanes.inl.h"
+
+#ifdef LANES_HAVE_64
+#ifdef __clang__
+#define LANES_UNROLL _Pragma("clang loop unroll(full)")
+#else
+#define LANES_UNROLL _Pragma("GCC unroll 20") /* or small arrays stay in memory */
+#endif
+
+LANES_INLINE lane_mask lanes64_negative(lanes64 v) { return lanes_negative(lanes64_high(v)); }
+LANES_INLINE lane_mask lanes64_less(lanes64 v, int64_t least) {
+  return lanes64_negative(lanes64_sub(v, lanes64_set(least)));
+}
+LANES_INLINE lane_mask mask_none(void) { return lanes_greater(lanes_set(0), lanes_set(0)); }
+LANES_INLINE lanes lanes_abs(lanes v) { return lanes_max(v, lanes_sub(lanes_set(0), v)); }
+LANES_INLINE lanes lanes_copy_sign(lanes size, lanes like) {
+  return lanes_select(lanes_negative(like), lanes_sub(lanes_set(0), size), size);
+}
+/* fx_round64 to 32 bits; s is at most 32. */
+LANES_INLINE lanes lanes64_round(lanes64 v, unsigned s) {
+  const lanes64 half = lanes64_set((int64_t)1 << (s - 1u));
+  return lanes64_low(lanes64_shr(lanes64_add(v, lanes64_add(lanes64_sign(v), half)), s));
+}
+LANES_INLINE lanes64 lanes64_dot(const lanes a[3], const lanes b[3]) {
+  return lanes64_add(lanes64_add(lanes64_mul(a[0], b[0]), lanes64_mul(a[1], b[1])),
+                     lanes64_mul(a[2], b[2]));
+}
+/* (a x b) 2^-bits, rounded. */
+LANES_INLINE void lanes64_cross(const lanes a[3], const lanes b[3], unsigned bits, lanes product[3]) {
+  LANES_UNROLL
+  for (int n = 0; n < 3; ++n) {
+    const int m = (n + 1) % 3;
+    const int o = (n + 2) % 3;
+    product[n] = lanes64_round(lanes64_sub(lanes64_mul(a[m], b[o]), lanes64_mul(a[o], b[m])), bits);
+  }
+}
+
+typedef struct {
+  lanes inverse, h;
+} lanes_root;
+
+LANES_INLINE lanes lanes_newton(lanes m, lanes y) {
+  const lanes squared = lanes64_low(lanes64_shr(lanes64_mul_u(y, y), 31));
+  const lanes unity = lanes64_low(lanes64_shr(lanes64_mul_u(m, squared), 30));
+  const lanes short_of = lanes_sub(lanes_set(INT32_MIN), unity);
+  return lanes_add(y, lanes64_high(lanes64_mul(y, short_of)));
+}
+
+/* fx_rsqrt(n, FX_ROOT_FINE), with its m in *m. Undefined where n is 0. */
+LANES_INLINE lanes_root lanes_rsqrt(lanes64 n, lanes *m) {
+  const lanes high = lanes64_high(n);
+  const lanes zero = lanes_set(0);
+  const lane_mask has_high = lanes_not_equal(high, zero);
+  lanes v = lanes_select(has_high, high, lanes64_low(n));
+  lanes up = lanes_select(has_high, zero, lanes_set(32));
+  LANES_UNROLL
+  for (unsigned s = 16; s > 1; s /= 2u) {
+    const lane_mask more = lanes_not_equal(lanes_asr(v, 32u - s), zero);
+    v = lanes_select(more, v, lanes_shl(v, s));
+    up = lanes_add(up, lanes_select(more, zero, lanes_set((int32_t)s)));
+  }
+  *m = lanes64_high(lanes64_shl_by(n, up));
+  const lanes slope_low = lanes64_low(lanes64_shr(lanes64_mul_u(*m, lanes_set(616403730)), 30));
+  const lanes slope_high = lanes64_low(lanes64_shr(lanes64_mul_u(*m, lanes_set(217931629)), 30));
+  const lanes low = lanes_sub(lanes_set((int32_t)2716337504u), slope_low);
+  const lanes high_y = lanes_sub(lanes_set((int32_t)1922456487u), slope_high);
+  lanes y = lanes_select(lanes_negative(*m), high_y, low);
+  y = lanes_newton(*m, lanes_newton(*m, lanes_newton(*m, y)));
+  /* at most 2^31 */
+  y = lanes_select(lanes_negative(y), lanes_set(INT32_MIN), y);
+  return (lanes_root){y, lanes_sub(lanes_set(31), lanes_asr(up, 1))};
+}
+
+LANES_INLINE lanes lanes_unit(lanes_root root, lanes v) {
+  const lanes64 product = lanes64_shr_by(lanes64_mul_u(lanes_abs(v), root.inverse), root.h);
+  const lanes unit = lanes64_low(lanes64_shr(lanes64_add(product, lanes64_set(1)), 1));
+  return lanes_copy_sign(lanes_min(unit, lanes_set(1 << 30)), v);
+}
+
+/* fx_root_length() of lanes_rsqrt(n, &m). */
+LANES_INLINE lanes lanes_root_length(lanes_root root, lanes m) {
+  return lanes64_low(lanes64_shr_by(lanes64_mul_u(m, root.inverse), lanes_sub(lanes_set(61), root.h)));
+}
+/* v / |v| in Q30, and |v|. Lanes with |v|^2 below `least` join *flat; where v is 0 both are undefined. */
+LANES_INLINE lanes lanes_direction(const lanes v[3], int64_t least, lanes unit[3], lane_mask *flat) {
+  const lanes64 squared = lanes64_dot(v, v);
+  lanes m;
+  const lanes_root root = lanes_rsqrt(squared, &m);
+  *flat = mask_or(*flat, lanes64_less(squared, least));
+  LANES_UNROLL
+  for (int n = 0; n < 3; ++n) unit[n] = lanes_unit(root, v[n]);
+  return lanes_root_length(root, m);
+}
+LANES_INLINE lanes lanes_scale_unit(lanes unit, lanes length) {
+  return lanes64_round(lanes64_mul(unit, length), 30);
+}
+
+/* ORs the magnitude of v (~v below zero) into `far`: its top bit bounds every value seen. */
+LANES_INLINE lanes64 lanes64_or_size(lanes64 far, lanes64 v) {
+  return lanes64_or(far, lanes64_xor(v, lanes64_sign(v)));
+}
+/* Whether any value seen was outside of +-2^bits. */
+LANES_INLINE int lanes64_any_beyond(lanes64 far, unsigned bits) {
+  return mask_bits(lanes_not_equal(lanes64_low(lanes64_shr(far, bits)), lanes_set(0))) != 0;
+}
+#endif
+
+#endif

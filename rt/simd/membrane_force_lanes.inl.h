@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Scalar twin: rt/membrane/membrane_stress.c, the part of an elastic step, same order of operations. Forces
+ * of triangles, LANES at a time; groups in which a value would be clamped are left to the scalar code. */
+#ifndef FRAY_SIMD_MEMBRANE_FORCE_LANES_INL_H
+#define FRAY_SIMD_MEMBRANE_FORCE_LANES_INL_H
+
+#include "rt/simd/lanes64.inl.h"
+#include "rt/simd/membrane_view.h"
+#include "rt/simd/record_lanes.inl.h"
+#include "rt/simd/spring_lanes.inl.h"
+
+#ifdef LANES_HAVE_64
+enum {
+  MEMBRANE_FORCE_LANES_AXIS = 54,
+  MEMBRANE_FORCE_LANES_STRESS = 58,
+  MEMBRANE_FORCE_LANES_CORNER = 56
+}; /* bits of sums before they are rounded */
+
+/* A group of triangles. */
+typedef struct {
+  uint32_t id[3][LANES];
+  lanes u[3], v[3]; /* axes, Q28 */
+  lanes r[4];       /* u1, u2, v1, v2 */
+  lanes uu, vv, uv; /* impulse of stress */
+  lanes64 far_axis, far_stress, far_corner;
+} membrane_force_lanes;
+
+/* to - from by axis, with the fraction bits of elastic positions. */
+LANES_INLINE void membrane_force_lanes_difference(const lanes from[4], const lanes to[4], lanes way[3]) {
+  /* 4 is added to each byte, so that no byte borrows from the next */
+  const lanes below = lanes_sub(lanes_add(to[3], lanes_set(0x040404)), from[3]);
+  LANES_UNROLL
+  for (int n = 0; n < 3; ++n) {
+    const lanes whole = lanes_clamp(lanes_sub(to[n], from[n]), ELASTIC_DIFFERENCE_MAX);
+    const lanes more = lanes_and(n == 0 ? below : lanes_asr(below, 8u * (unsigned)n), lanes_set(7));
+    way[n] = lanes_add(lanes_shl(whole, ELASTIC_DIFFERENCE_MORE), lanes_sub(more, lanes_set(4)));
+  }
+}
+
+/* a b + c d, rounded; its size goes into `far`. */
+LANES_INLINE lanes lanes_dot2(lanes64 *far, lanes a, lanes b, lanes c, lanes d, unsigned bits) {
+  const lanes64 sum = lanes64_add(lanes64_mul(a, b), lanes64_mul(c, d));
+  *far = lanes64_or_size(*far, sum);
+  return lanes64_round(sum, bits);
+}
+
+LANES_INLINE void membrane_force_lanes_load(const force_view *v, uint32_t first, uint32_t count,
+                                            membrane_force_lanes *s, lanes c[4]) {
+  uint32_t of[LANES];
+  lanes at[3][4], d1[3], d2[3];
+  for (uint32_t n = 0; n < (uint32_t)LANES; ++n) {
+    of[n] = first + (n < count ? n : 0);
+    for (uint32_t k = 0; k < 3; ++k) s->id[k][n] = v->triangle[of[n]].v[k];
+  }
+  LANES_UNROLL
+  for (int k = 0; k < 3; ++k) record_lanes_load(v->place->at, 4, s->id[k], at[k]);
+  record_lanes_load(&v->weights->u1, 4, of, s->r);
+  record_lanes_load(v->gains->c, 4, of, c);
+  membrane_force_lanes_difference(at[0], at[1], d1);
+  membrane_force_lanes_difference(at[0], at[2], d2);
+  LANES_UNROLL
+  for (int n = 0; n < 3; ++n) {
+    const unsigned bits = TRIMESH_WEIGHT_BITS + FX_VELOCITY_BITS + ELASTIC_DIFFERENCE_MORE - STRAIN_BITS;
+    s->u[n] = lanes_dot2(&s->far_axis, d1[n], s->r[0], d2[n], s->r[1], bits);
+    s->v[n] = lanes_dot2(&s->far_axis, d1[n], s->r[2], d2[n], s->r[3], bits);
+  }
+}
+
+LANES_INLINE void membrane_force_lanes_stress(membrane_force_lanes *s, const lanes c[4]) {
+  const lanes64 one = lanes64_set((int64_t)1 << 2 * STRAIN_BITS);
+  const lanes64 uu = lanes64_sub(lanes64_dot(s->u, s->u), one);
+  const lanes64 vv = lanes64_sub(lanes64_dot(s->v, s->v), one);
+  const lanes64 uv = lanes64_dot(s->u, s->v);
+  s->far_stress = lanes64_or_size(lanes64_or_size(lanes64_or_size(s->far_stress, uu), vv), uv);
+  const lanes g_uu = lanes64_round(uu, STRAIN_BITS + 1);
+  const lanes g_vv = lanes64_round(vv, STRAIN_BITS + 1);
+  const lanes g_uv = lanes64_round(uv, STRAIN_BITS);
+  const lanes64 shear = lanes64_mul(c[3], g_uv);
+  s->uu = lanes_dot2(&s->far_stress, c[0], g_uu, c[1], g_vv, STRAIN_BITS);
+  s->vv = lanes_dot2(&s->far_stress, c[1], g_uu, c[2], g_vv, STRAIN_BITS);
+  s->far_stress = lanes64_or_size(s->far_stress, shear);
+  s->uv = lanes64_round(shear, STRAIN_BITS);
+}
+
+LANES_INLINE void membrane_force_lanes_impulses(membrane_force_lanes *s, lanes one[4], lanes two[4]) {
+  const unsigned bits = TRIMESH_WEIGHT_BITS + FORCE_MORE_BITS;
+  LANES_UNROLL
+  for (int n = 0; n < 3; ++n) {
+    const lanes p1 = lanes_dot2(&s->far_stress, s->uu, s->u[n], s->uv, s->v[n], STRAIN_BITS);
+    const lanes p2 = lanes_dot2(&s->far_stress, s->uv, s->u[n], s->vv, s->v[n], STRAIN_BITS);
+    one[n] = lanes_clamp(lanes_dot2(&s->far_corner, p1, s->r[0], p2, s->r[2], bits), FORCE_MAX);
+    two[n] = lanes_clamp(lanes_dot2(&s->far_corner, p1, s->r[1], p2, s->r[3], bits), FORCE_MAX);
+  }
+  one[3] = two[3] = lanes_set(0);
+}
+
+LANES_INLINE int membrane_force_lanes_group(const force_view *v, uint32_t first, uint32_t count) {
+  membrane_force_lanes s;
+  lanes c[4], one[4], two[4], both[4];
+  s.far_axis = s.far_stress = s.far_corner = lanes64_set(0);
+  membrane_force_lanes_load(v, first, count, &s, c);
+  membrane_force_lanes_stress(&s, c);
+  membrane_force_lanes_impulses(&s, one, two);
+  if (lanes64_any_beyond(s.far_axis, MEMBRANE_FORCE_LANES_AXIS) ||
+      lanes64_any_beyond(s.far_stress, MEMBRANE_FORCE_LANES_STRESS) ||
+      lanes64_any_beyond(s.far_corner, MEMBRANE_FORCE_LANES_CORNER))
+    return 0;
+  LANES_UNROLL
+  for (int n = 0; n < 4; ++n) {
+    both[n] = lanes_add(one[n], two[n]);
+    one[n] = lanes_sub(lanes_set(0), one[n]);
+    two[n] = lanes_sub(lanes_set(0), two[n]);
+  }
+  record_lanes_add(&v->sum->x, s.id[0], count, both);
+  record_lanes_add(&v->sum->x, s.id[1], count, one);
+  record_lanes_add(&v->sum->x, s.id[2], count, two);
+  return 1;
+}
+
+LANES_RUN_GROUPS(membrane_force_lanes_run, force_view, membrane_force_lanes_group)
+#endif
+
+#endif

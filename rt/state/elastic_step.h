@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Data of the membrane's elastic steps, the inner steps of a substep: see membrane/membrane_step.c. */
+#ifndef FRAY_STATE_ELASTIC_STEP_H
+#define FRAY_STATE_ELASTIC_STEP_H
+
+#include "rt/state/material.h"
+
+/* Of a vertex. */
+typedef struct {
+  int32_t at[3];    /* Q28 lu, wraps */
+  int32_t low_bits; /* two bits more of each, a byte an axis */
+} elastic_position;
+
+/* Sum of impulses on a vertex, Q26. */
+typedef struct {
+  int32_t x, y, z, padding;
+} elastic_impulse;
+
+/* c of a triangle in this tick (until membrane_gains_update()), then c times its area: from a strain in Q28
+ * to an impulse, see membrane/membrane_gains.c. */
+typedef struct {
+  int32_t c[MATERIAL_ENTRIES];
+} membrane_gain;
+
+/* Elastic steps carry 31 bits below Q28: positions rounded in each step would excite vibrations of stiff
+ * triangles, a dozen times stronger than all other rounding. */
+enum { ELASTIC_LOW_BITS = 31, ELASTIC_DIFFERENCE_MORE = 2, ELASTIC_DIFFERENCE_MAX = (1 << 29) - 1 };
+enum { ELASTIC_IMPULSE_BITS = 26, ELASTIC_INVERSE_BITS = 24 };
+
+static inline int32_t elastic_low_bits(int32_t low_x, int32_t low_y, int32_t low_z) {
+  const unsigned s = ELASTIC_LOW_BITS - ELASTIC_DIFFERENCE_MORE;
+  return fx_asr(low_x, s) | fx_asr(low_y, s) << 8 | fx_asr(low_z, s) << 16;
+}
+/* Q30, exact as long as they are less than 8 lu apart; beyond 2 lu it is held to 2. */
+static inline int32_t elastic_difference(const elastic_position *from, const elastic_position *to,
+                                         uint32_t axis) {
+  const int32_t whole = fx_clamp_rare(fx_wrap_sub(to->at[axis], from->at[axis]), -ELASTIC_DIFFERENCE_MAX,
+                                      ELASTIC_DIFFERENCE_MAX);
+  return whole * (1 << ELASTIC_DIFFERENCE_MORE) +
+         ((to->low_bits >> 8u * axis) & 3) - ((from->low_bits >> 8u * axis) & 3);
+}
+
+static inline vec3 elastic_impulse_vec(const elastic_impulse *sum) {
+  return vec_make(sum->x, sum->y, sum->z);
+}
+static inline void elastic_impulse_add(elastic_impulse *sum, vec3 j) {
+  sum->x = fx_add(sum->x, j.x);
+  sum->y = fx_add(sum->y, j.y);
+  sum->z = fx_add(sum->z, j.z);
+}
+
+#endif

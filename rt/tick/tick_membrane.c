@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A tick of the membrane (Karaoz 2015): stress, tears and cuts once a tick (sections 2.7, 3.1, 3.2); each
+ * substep is some elastic steps of stress and bending (2.4, 2.5), then collisions (2.6). */
+#include "rt/contact/contact.h"
+#include "rt/integrate/integrate.h"
+#include "rt/membrane/membrane.h"
+#include "rt/self_collision/self_collision.h"
+#include "rt/tick/tick.h"
+
+void tick_membrane(fray_world *w) {
+  const uint32_t substeps = (uint32_t)w->params->substeps;
+  FRAY_ASSERT(world_has_membrane(w));
+  membrane_stress_update(w);
+  if (w->params->tearing != 0) membrane_tear_apply(w);
+  if (world_has_blades(w)) blade_cut_apply(w);
+  membrane_gains_update(w);
+  wind_apply(w);
+  contact_gather(w);
+  if (world_has_triangle_collision(w)) triangle_collision_begin(w);
+  for (uint32_t substep = 0; substep < substeps; ++substep) {
+    if (world_has_rigid_meshes(w)) contact_vertices_begin(w);
+    bodies_advance(w, substep);
+    membrane_step_run(w, substep);
+    particles_carry(w);
+    edge_limit_apply(w);
+    contact_primitives_solve(w);
+    if (world_has_rigid_meshes(w)) contact_vertices_solve(w);
+    if (substep + 1u == substeps) {
+      particles_hold(w);
+      if (world_has_triangle_collision(w)) triangle_collision_solve(w);
+    }
+    particles_update_velocity(w);
+    contact_update_velocity(w);
+    bodies_update_velocity(w);
+  }
+}

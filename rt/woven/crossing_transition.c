@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* From whole crossings to yarns (Metaaphanon 2009, section 3.4). A spring over its transition strain marks
+ * both of its ends and their immediate neighbours to split. A split crossing whose yarns are farther apart
+ * than loose_max (disconnect_distance here) disconnects, and from it splitting spreads along both yarns, up
+ * to and including the first crossing where the weave is opposite. It ends at a broken link and before an
+ * attached crossing.
+ *
+ * This stage marks crossings as pending; crossing_split_apply() splits a bounded number a tick, in order.
+ * The number that disconnects in a tick has the same bound, in the order in which they split; the others
+ * are found again in the next tick. */
+#include "rt/simd/simd.h"
+#include "rt/state/crossing.h"
+#include "rt/woven/woven.h"
+#include "rt/woven/woven_links.h"
+#include "rt/woven/yarn_slip.h"
+
+static void mark(fray_world *w, uint32_t crossing) {
+  FRAY_ASSERT(crossing < w->capacity[POOL_CROSSINGS]);
+  const uint32_t now = w->woven.crossing_state[crossing]; /* the whole byte: one already pending is skipped */
+  if ((now != FRAY_WHOLE && now != FRAY_CONNECTED) || crossing_is_attached(w, crossing)) return;
+  if (now == FRAY_WHOLE && w->p.count == w->capacity[POOL_PARTICLES]) {
+    world_fault(w, FRAY_FAULT_PARTICLES_FULL);
+    return;
+  }
+  crossing_set_pending(w, crossing, 1);
+}
+
+static void mark_around(fray_world *w, uint32_t crossing) {
+  FRAY_ASSERT(crossing < w->capacity[POOL_CROSSINGS]);
+  const yarn_grid_neighbours around = yarn_grid_neighbours_at(world_yarn_grid(w), crossing);
+  mark(w, crossing);
+  for (uint32_t direction = 0; direction < 4; ++direction) mark(w, around.next[direction]);
+}
+
+static int is_broken(const fray_world *w, uint32_t link) {
+  return w->woven.spring_kind[w->woven.spring_of[link]] == SPRING_DEAD;
+}
+
+__attribute__((noinline)) static void disconnect(fray_world *w, uint32_t crossing) {
+  crossing_set_state(w, crossing, FRAY_DISCONNECTED);
+  const int warp_over = crossing_warp_over(w, crossing);
+  for (uint32_t direction = 0; direction < 4; ++direction) {
+    uint32_t at = crossing;
+    uint32_t next;
+    uint32_t link;
+    while (yarn_grid_step(world_yarn_grid(w), at, direction, &next, &link) && !is_broken(w, link) &&
+           !crossing_is_attached(w, next)) {
+      mark(w, next);
+      if (crossing_warp_over(w, next) != warp_over) break;
+      at = next;
+    }
+  }
+}
+
+__attribute__((noinline)) static void find_strained(fray_world *w) {
+  const int32_t strain_min = w->woven.yarn_constants->split_min;
+  const link_view view = woven_links(w, w->woven.link_classes);
+  const uint32_t end = (uint32_t)w->params->links;
+  for (uint32_t spring = 0; spring < end; ++spring) {
+    spring = simd_tear_scan(w->kernel, view, strain_min, spring, end);
+    if (spring == end) break;
+    const uint32_t kind = w->woven.spring_kind[spring];
+    if (kind == SPRING_DEAD) continue;
+    const int32_t rest = w->woven.link_classes[kind & SPRING_CLASS].rest;
+    const vec3 d =
+        vec_sub(world_position(w, w->woven.spring_j[spring]), world_position(w, w->woven.spring_i[spring]));
+    const uint64_t n = vec_squared(d);
+    if (n <= link_stretched_squared(rest, strain_min)) continue; /* no spring's own strain is below it */
+    if (n <= link_stretched_squared(rest, world_split_strain(w, spring))) continue;
+    mark_around(w, w->woven.crossing_of[w->woven.spring_i[spring]]);
+    mark_around(w, w->woven.crossing_of[w->woven.spring_j[spring]]);
+  }
+}
+
+/* bound: the squared distance from which a loose crossing disconnects. */
+static int is_apart(const fray_world *w, uint32_t c, uint64_t bound) {
+  yarn_slip_pair pair;
+  if (w->woven.yarn_constants->disconnect_by_particles != 0)
+    return vec_squared(vec_sub(world_position(w, w->woven.warp_particle[c]),
+                               world_position(w, w->woven.crossing_particle[c]))) > bound;
+  return !yarn_slip_closest(w, c, &pair) || vec_squared(yarn_slip_gap(w, &pair)) > bound;
+}
+
+__attribute__((noinline)) static void find_apart(fray_world *w) {
+  const uint64_t bound = fx_square(w->woven.yarn_constants->disconnect_distance);
+  uint32_t left = w->capacity[POOL_SPLITS];
+  for (uint32_t p = (uint32_t)w->params->particles; p < w->p.count; ++p) {
+    const uint32_t c = w->woven.crossing_of[p];
+    FRAY_ASSERT(c < w->capacity[POOL_CROSSINGS] && w->woven.warp_particle[c] == p);
+    if (crossing_state_at(w, c) != FRAY_LOOSE) continue;
+    if (!is_apart(w, c, bound)) continue;
+    if (left == 0) {
+      world_fault(w, FRAY_FAULT_SPLIT_BUDGET);
+      return;
+    }
+    --left;
+    disconnect(w, c);
+  }
+}
+
+void crossing_transition_find(fray_world *w) {
+  FRAY_ASSERT(world_has_yarns(w));
+  FRAY_ASSERT(w->p.count >= (uint32_t)w->params->particles && w->p.count <= w->capacity[POOL_PARTICLES]);
+  if (w->params->tearing == 0) return;
+  find_strained(w);
+  find_apart(w);
+  w->work.transitions += (uint32_t)w->params->links + w->p.count - (uint32_t)w->params->particles;
+}

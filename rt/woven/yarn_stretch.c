@@ -1,0 +1,202 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Yarns with a stiffness in newtons; scalar only, there is no SIMD twin. A link of rest length r pulls its
+ * ends together with the force EA (|d|/r - 1), whatever the solver does; compressed, it pushes with
+ * k_struct, as in strain_limit.c. The force is explicit, at elastic steps of its own: a substep of length h
+ * is 2^b elastic steps of h / 2^b, each a kick of all links at once and then a move (symplectic Euler),
+ * which is stable for k (h / 2^b)^2 / m < 1/2: the scene compiler chooses b. Gravity and the motion of
+ * attached particles are spread evenly over them. Projection (strain_limit.c) limits what is longer than
+ * max_links, which is above every tear strain.
+ *
+ * An elastic step changes velocities, Q28 lu per substep, by d * e * phi(u) * gain, e = |d|^2 - R^2 in the
+ * direction units of strain_limit.c, u = e/R^2, and phi(u) = (1 - 1/sqrt(1+u)) / u: a quartic, within 0.03
+ * % for stretches to 25 %, 0.2 % for compressions to 25 %. Beyond that a link pulls as at 25 %. Lengths
+ * have 32-bit products and are known to 1/20 of a position step. The rest has 64 bits: with 16-bit
+ * directions and forces of 11 bits the force went in stairs of 2^-12 of itself, and a yarn at 4 % began to
+ * oscillate, to 3 % of its tension. Impulses are equal and opposite; those of stretch do not depend on the
+ * order of the links, those of damping, which come before them, do.
+ *
+ * Positions move by v / 2^b and keep the remainder of rounding. */
+#include "rt/simd/simd.h"
+#include "rt/state/crossing.h"
+#include "rt/woven/woven.h"
+#include "rt/woven/woven_links.h"
+
+enum {
+  STRETCH_DV_MAX = 1 << 27, /* one link, one pass: four ends of whole mass or two of half, twice, fit */
+  STRETCH_SPEED_MAX = FX_SPEED_MAX - (1 << 25), /* four links more fit 32 bits */
+  STRETCH_D_MAX = LINK_HI_MAX << LINK_SHIFT,
+  /* phi, Q28, in powers of u */
+  STRETCH_PHI_0 = 1 << 27,
+  STRETCH_PHI_1 = -101005220,
+  STRETCH_PHI_2 = 88514470,
+  STRETCH_PHI_3 = -82736220,
+  STRETCH_PHI_4 = 47846700
+};
+
+typedef struct {
+  link_view links;
+  int32_t *restrict vx, *restrict vy, *restrict vz;
+  const yarn_gain *gains;
+} yarn_elastic_view;
+
+/* next + u * y; u is Q26. */
+static inline int32_t horner(int32_t u, int32_t y, int32_t next) {
+  return next + (int32_t)fx_asr64(fx_mul_wide(u, y), 26);
+}
+
+/* Q28; |u| below 9/16 */
+static inline int32_t phi_of(int32_t u) {
+  const int32_t y = horner(u, horner(u, STRETCH_PHI_4, STRETCH_PHI_3), STRETCH_PHI_2);
+  return horner(u, horner(u, y, STRETCH_PHI_1), STRETCH_PHI_0);
+}
+
+static inline vec3 dv_of(vec3 d, int32_t pull, int32_t down) {
+  return vec_round_clamped(vec_scale64(d, pull), (unsigned)down, STRETCH_DV_MAX);
+}
+
+/* dv of end i from the speed at which the ends separate, along the link; fits for any velocities. */
+static inline vec3 damping_impulse(const yarn_elastic_view *s, uint32_t i, uint32_t j, uint32_t class) {
+  const vec3 hi = vec_clamp(link_coarse_vec(link_vec(&s->links, i, j)), LINK_HI_MAX);
+  const vec3 apart = vec_sub_saturated(vec_at(s->vx, s->vy, s->vz, j), vec_at(s->vx, s->vy, s->vz, i));
+  const int32_t speed = fx_saturate(fx_round64(vec_dot64(hi, apart), 13));
+  const int32_t pull = fx_mul_saturated(speed, s->gains[class].damping, 24);
+  return dv_of(hi, pull, 12);
+}
+
+/* dv of end i; end j gets the opposite. */
+static inline vec3 elastic_impulse_of(const yarn_elastic_view *s, uint32_t i, uint32_t j, uint32_t class) {
+  const link_class *c = &s->links.classes[class];
+  const yarn_gain *k = &s->gains[class];
+  vec3 d = link_vec(&s->links, i, j);
+  vec3 hi = link_coarse_vec(d);
+  uint32_t n = link_squared(d, hi);
+  if (__builtin_expect(n > (uint32_t)c->n_max, 0)) {
+    n = (uint32_t)c->n_max;
+    d = vec_clamp(d, STRETCH_D_MAX);
+    hi = link_coarse_vec(d);
+  }
+  const int32_t e = fx_max((int32_t)n - c->r2, -(c->r2 / 16 * 7)); /* below 2^26 */
+  const int32_t u = (int32_t)fx_asr64(fx_mul_wide(e, c->inverse), 10);
+  const int32_t size = (int32_t)fx_asr64(fx_mul_wide(e, phi_of(u)), 22);
+  const int32_t mantissa = e >= 0 ? k->pull : k->push;
+  const int32_t down = e >= 0 ? k->pull_scale : k->push_scale;
+  const int32_t pull = fx_mul_round(size, mantissa, 30);
+  return dv_of(d, pull, down);
+}
+
+static void apply_links(fray_world *w, const yarn_elastic_view *s, uint32_t first, uint32_t end,
+                        int32_t attached, int damp) {
+  for (uint32_t link = first; link < end; ++link) {
+    const uint32_t kind = s->links.kind[link];
+    if (kind == SPRING_DEAD) continue;
+    const uint32_t i = s->links.i[link];
+    const uint32_t j = s->links.j[link];
+    FRAY_ASSERT(j >= particles_attached(w) && (i < particles_attached(w)) == (attached == BATCH_ATTACHED));
+    const vec3 dv = damp ? damping_impulse(s, i, j, kind & SPRING_CLASS)
+                         : elastic_impulse_of(s, i, j, kind & SPRING_CLASS);
+    vec_add_at(s->vx, s->vy, s->vz, j, vec_mul(dv, -particle_inverse_mass(w, j)));
+    if (attached == BATCH_ATTACHED) /* the body gets the opposite of end j's impulse */
+      body_take_impulse(&w->rigid.motion[w->p.attach_body[i]], dv);
+    else
+      vec_add_at(s->vx, s->vy, s->vz, i, vec_mul(dv, particle_inverse_mass(w, i)));
+  }
+}
+
+static void apply_batches(fray_world *w, const yarn_elastic_view *s, int damp) {
+  const uint32_t batches = (uint32_t)w->params->link_batches;
+  uint32_t b = 0;
+  while (b < batches) {
+    const int32_t attached = w->woven.batches[b].attached;
+    const uint32_t first = (uint32_t)w->woven.batches[b].first;
+    const uint32_t end = world_batch_run(w, &b, batches);
+    if (attached == BATCH_INACTIVE) continue;
+    apply_links(w, s, first, end, attached, damp);
+    w->work.yarn_forces += end - first;
+  }
+}
+
+/* Damping before stretch: between the impulses of its two neighbours a particle at rest seems to move. */
+static void apply_forces(fray_world *w, const yarn_elastic_view *s) {
+  if (w->woven.elastic_params->damping_ns != 0) apply_batches(w, s, 1);
+  apply_batches(w, s, 0);
+}
+
+/* Moves one component by an elastic step of 2^-bits of a substep; rounding: the position below Q24, in
+ * 2^-(28 + bits) lu. Returns 0 iff no particle is at the world's edge. */
+static uint32_t advance_axis(int32_t *restrict x, int32_t *restrict rounding, int32_t *restrict v,
+                             uint32_t first, uint32_t end, int32_t gravity, unsigned bits) {
+  const unsigned down = FX_SUB_BITS + bits;
+  uint32_t at_edge = 0;
+  for (uint32_t p = first; p < end; ++p) {
+    const int32_t speed = fx_clamp_rare(v[p], -STRETCH_SPEED_MAX, STRETCH_SPEED_MAX) + gravity;
+    const int32_t step = speed + rounding[p];
+    const int32_t whole = fx_round(step, down);
+    const int32_t moved = fx_add(x[p], whole);
+    const int32_t clamped = fx_clamp_rare(moved, -FX_WORLD_MAX, FX_WORLD_MAX);
+    at_edge |= (uint32_t)(moved ^ clamped);
+    v[p] = speed;
+    rounding[p] = step - whole * (1 << down);
+    x[p] = clamped;
+  }
+  return at_edge;
+}
+
+/* Attached particles move with the velocity of their bodies, which have already advanced;
+ * particles_carry() puts them to their final positions. */
+static void begin_axis(fray_world *w, uint32_t axis, int32_t *v, int32_t *rounding, const int8_t *remainder) {
+  const uint32_t attached = particles_attached(w);
+  const int32_t steps = 1 << w->woven.elastic_params->steps_bits;
+  for (uint32_t p = 0; p < attached; ++p) {
+    v[p] = w->rigid.states[w->p.attach_body[p]].velocity[axis];
+    rounding[p] = 0;
+  }
+  for (uint32_t p = attached; p < w->p.count; ++p) {
+    v[p] = fx_clamp(v[p], -STRETCH_SPEED_MAX, STRETCH_SPEED_MAX);
+    rounding[p] = remainder[p] * steps;
+  }
+}
+
+/* predicted: the array that held the rounding. */
+static void end_axis(fray_world *w, int32_t *predicted, int8_t *remainder, const int32_t *x) {
+  const unsigned bits = (unsigned)w->woven.elastic_params->steps_bits;
+  for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
+    remainder[p] = (int8_t)(bits == 0 ? predicted[p] : fx_round(predicted[p], bits));
+    predicted[p] = x[p];
+  }
+}
+
+/* The part of a substep's gravity in an elastic step; all of them add up to `gravity`. */
+static int32_t gravity_part(int32_t gravity, int32_t step, unsigned bits) {
+  if (bits == 0) return gravity;
+  return fx_asr(gravity * (step + 1), bits) - fx_asr(gravity * step, bits);
+}
+
+void yarn_stretch_run(fray_world *w) {
+  FRAY_ASSERT(world_has_elastic_yarns(w) && !world_has_membrane(w));
+  FRAY_ASSERT(w->woven.elastic_params->steps_bits <= YARN_ELASTIC_STEPS_BITS);
+  const yarn_elastic_view s = {woven_links(w, w->woven.link_classes), w->p.vx, w->p.vy, w->p.vz,
+                               w->woven.yarn_gains};
+  const uint32_t attached = particles_attached(w);
+  const uint32_t end = w->p.count;
+  const unsigned bits = (unsigned)w->woven.elastic_params->steps_bits;
+  const vec3 g = w->gravity_step;
+  int32_t *const *rounding = w->p.rounding; /* until the predicted positions are written, at the end */
+  uint32_t at_edge = 0;
+  begin_axis(w, 0, w->p.vx, rounding[0], w->p.rx);
+  begin_axis(w, 1, w->p.vy, rounding[1], w->p.ry);
+  begin_axis(w, 2, w->p.vz, rounding[2], w->p.rz);
+  for (int32_t step = 0; step < 1 << bits; ++step) {
+    apply_forces(w, &s);
+    (void)advance_axis(w->p.x, rounding[0], w->p.vx, 0, attached, 0, bits);
+    (void)advance_axis(w->p.y, rounding[1], w->p.vy, 0, attached, 0, bits);
+    (void)advance_axis(w->p.z, rounding[2], w->p.vz, 0, attached, 0, bits);
+    at_edge |= advance_axis(w->p.x, rounding[0], w->p.vx, attached, end, gravity_part(g.x, step, bits), bits);
+    at_edge |= advance_axis(w->p.y, rounding[1], w->p.vy, attached, end, gravity_part(g.y, step, bits), bits);
+    at_edge |= advance_axis(w->p.z, rounding[2], w->p.vz, attached, end, gravity_part(g.z, step, bits), bits);
+  }
+  end_axis(w, w->p.qx, w->p.rx, w->p.x);
+  end_axis(w, w->p.qy, w->p.ry, w->p.y);
+  end_axis(w, w->p.qz, w->p.rz, w->p.z);
+  if (at_edge != 0) world_fault(w, FRAY_FAULT_OUT_OF_WORLD);
+  w->work.particle_steps += end - attached;
+}

@@ -1,7 +1,0 @@
-/* SPDX-License-Identifier: Apache-2.0 */
-/* The port of a machine with an operating system. */
-#include <stdio.h>
-
-#include "tests/cross/cases.h"
-
-void port_print(const char *text) { fputs(text, stdout); }

@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Yarns of a woven sheet do not pass through each other: after every tick the ways of all segments are
+ * held against each other in exact arithmetic, but for those that share a particle or a crossing whose
+ * yarns hold each other. Sheets that fall in folds, are torn, are all yarn; pools that are too small;
+ * momentum; saves on the way. */
+#include "tests/lib/test.h"
+
+#include "rt/self_collision/self_collision.h"
+#include "tests/lib/yarn_check.h"
+#include "tests/physics/self_collision_check.h"
+
+enum { SEGMENTS_MOST = 4096 };
+
+typedef struct {
+  uint32_t p[2], crossing[2];
+  span ways;
+} segment;
+
+static segment segments[SEGMENTS_MOST];
+
+typedef struct {
+  uint32_t passed, near, faults, stops, pairs;
+  fray_output last;
+} result;
+
+/* A particle that was born in the tick began where its crossing was. */
+static void begin_born(const fray_world *w, uint32_t before) {
+  for (uint32_t p = before; p < w->p.count; ++p) began[p] = began[w->woven.crossing_particle[w->woven.crossing_of[p]]];
+}
+
+static uint32_t living(const fray_world *w) {
+  uint32_t count = 0;
+  for (uint32_t row = 0; row < (uint32_t)w->params->links; ++row) {
+    segment *s = &segments[count];
+    if (w->woven.spring_kind[row] == SPRING_DEAD) continue;
+    if (++count == SEGMENTS_MOST) fixture_give_up("test_yarn_collision", "too many segments");
+    s->p[0] = w->woven.spring_i[row];
+    s->p[1] = w->woven.spring_j[row];
+    yarn_grid_ends(world_yarn_grid(w), w->woven.canonical_id[row], &s->crossing[0], &s->crossing[1]);
+    s->ways = span_of(w, s->p, 2);
+  }
+  return count;
+}
+
+static int are_neighbours(const fray_world *w, const segment *a, const segment *b) {
+  for (uint32_t n = 0; n < 4; ++n) {
+    const uint32_t c = a->crossing[n / 2];
+    if (a->p[n / 2] == b->p[n % 2]) return 1;
+    if (c == b->crossing[n % 2] && (!world_has_yarns(w) || crossing_state_at(w, c) != FRAY_DISCONNECTED)) return 1;
+  }
+  return 0;
+}
+
+static void look(const fray_world *w, result *r) {
+  const uint32_t count = living(w);
+  for (uint32_t a = 0; a < count; ++a)
+    for (uint32_t b = a + 1; b < count; ++b) {
+      const segment *s = &segments[a];
+      const segment *t = &segments[b];
+      if (are_apart(&s->ways, &t->ways) || are_neighbours(w, s, t)) continue;
+      const uint32_t of[4] = {s->p[0], s->p[1], t->p[0], t->p[1]};
+      ++r->near;
+      r->passed += passes(w, of, 0);
+    }
+}
+
+/* Bodies that hold yarns, or a bound that is too low, say so. */
+static result run(const char *name, fixture *f, uint32_t ticks) {
+  result r = {0};
+  CLOSED_BY(yarn_check_close) yarn_check k = {0};
+  const fray_work most = fray_work_bound(f->w);
+  if (world_has_yarns(f->w)) yarn_check_open(&k, f);
+  for (uint32_t tick = 0; tick < ticks; ++tick) {
+    const uint32_t before = f->w->p.count;
+    keep_begin(f->w);
+    r.last = fixture_tick(f, &fixture_idle);
+    begin_born(f->w, before);
+    look(f->w, &r);
+    r.faults |= r.last.faults;
+    r.stops += r.last.work.self_merged;
+    r.pairs += r.last.work.self_pairs;
+    CHECK(fixture_within_bound(&r.last.work, &most));
+    if (world_has_yarns(f->w)) yarn_check_tick(&k, f);
+  }
+  CHECK_EQ_INT(k.bad, 0);
+  printf("figure selves_%s %u ways beside each other, %u touch, %u pairs found, %u particles moved as one, %u "
+         "cuts, faults 0x%02X\n",
+         name, r.near, r.passed, r.pairs, r.stops, r.last.tears_total, r.faults);
+  return r;
+}
+
+/* It falls on its edge, in its own plane. */
+static const char folded[] =
+    "scene folded\nrate 1000 Hz\nsubsteps 4\nseed 3\n%s\n"
+    "woven {\n warps 14\n wefts 14\n spacing 12 /cm\n tear off\n gather 20 %% pleats 3\n %s\n}\n"
+    "plane ground { at 0 -0.6 0 cm friction 0.3 }\n";
+/* It is drawn apart, tears and hits a ball. */
+static const char torn[] =
+    "scene torn\nrate 1000 Hz\nsubsteps 6\nseed 5\n%s\n"
+    "woven {\n warps 14\n wefts 10\n spacing 12 /cm\n tear 4 8 %%\n drag 2 /s\n slip_friction 0.3\n"
+    " yarns on\n %s\n}\n"
+    "capsule left {\n radius 0.05 cm\n length 0.9 cm\n rotate 90 deg about z\n at -0.5417 0 0 cm\n attach_within 0.01 cm\n}\n"
+    "capsule right {\n radius 0.05 cm\n length 0.9 cm\n rotate 90 deg about z\n at 0.5417 0 0 cm\n"
+    " move path { 0 s 0.5417 0 0 cm  0.15 s 1.1417 0 0 cm  0.3 s -0.1 0.1 0.1 cm }\n attach_within 0.01 cm\n}\n"
+    "plane ground { at 0 -0.7 0 cm friction 0.3 }\n";
+
+static void nothing_passes(void) {
+  static const struct {
+    const char *name, *text, *more;
+    uint32_t ticks;
+  } cases[] = {{"folded", folded, "", 300},
+               {"folded_yarns", folded, "yarns on\n", 250},
+               {"torn", torn, "", 350},
+               {"torn_twill", torn, "weave twill 2/2\n", 350}};
+  for (uint32_t n = 0; n < sizeof cases / sizeof cases[0]; ++n) {
+    fixture_scoped f = {0};
+    char more[128];
+    char name[64];
+    snprintf(more, sizeof more, "%sself_collision on", cases[n].more);
+    open_case(&f, cases[n].text, "limits { self_collision_pairs 40000 }", more);
+    result r = run(cases[n].name, &f, cases[n].ticks);
+    CHECK_EQ_INT(r.passed, 0);
+    CHECK_EQ_INT(r.faults & FRAY_FAULT_SELF_COLLISION_BUDGET, 0);
+    fixture_close(&f);
+    snprintf(name, sizeof name, "%s_off", cases[n].name);
+    open_case(&f, cases[n].text, "", cases[n].more);
+    r = run(name, &f, cases[n].ticks);
+    CHECK(r.passed > 20);
+    CHECK_EQ_INT(r.pairs, 0);
+  }
+}
+
+/* Too little room: what was not found moves as one, and that is said. */
+static void pools_of_any_size(void) {
+  static const uint32_t sizes[] = {1, 2, 5, 20, 100};
+  for (uint32_t n = 0; n < 2 * sizeof sizes / sizeof sizes[0]; ++n) {
+    fixture_scoped f = {0};
+    char limits[64];
+    char name[64];
+    snprintf(limits, sizeof limits, "limits { self_collision_pairs %u }", sizes[n / 2]);
+    snprintf(name, sizeof name, "%s_pairs_%u", n % 2 ? "torn" : "folded", sizes[n / 2]);
+    open_case(&f, n % 2 ? torn : folded, limits, "self_collision on");
+    const result r = run(name, &f, 250);
+    CHECK_EQ_INT(r.passed, 0);
+    CHECK(sizes[n / 2] > 5 || (r.faults & FRAY_FAULT_SELF_COLLISION_BUDGET) != 0);
+  }
+}
+
+/* The stage by itself, on sheets that nobody holds and whose particles go anywhere: momentum is the same to
+ * the last bit, and nothing passes. */
+static void momentum_is_kept(void) {
+  uint64_t seed = 11;
+  uint32_t pushed = 0;
+  for (uint32_t n = 0; n < 200; ++n) {
+    fixture_scoped f = {0};
+    result r = {0};
+    int64_t before[3];
+    int64_t after[3];
+    fixture_print(&f, "scene s\nrate 1000 Hz\nsubsteps 4\nwoven { warps 7 wefts 6 spacing 12 /cm tear off %s "
+                  "self_collision on\n}\n", n % 2 ? "yarns all\n" : "yarns off\n");
+    fray_world *w = f.w;
+    const int32_t far = 1 << (17 + n % 6);
+    yarn_collision_begin(w);
+    keep_begin(w);
+    throw_particles(w, far, 1, &seed);
+    yarn_momentum(w, 0, before);
+    yarn_collision_solve(w);
+    yarn_momentum(w, 0, after);
+    CHECK(memcmp(before, after, sizeof before) == 0);
+    look(w, &r);
+    CHECK_EQ_INT(r.passed, 0);
+    pushed += w->work.self_ccd != 0;
+  }
+  CHECK(pushed > 60);
+}
+
+static void saved_in_the_middle(void) {
+  fixture f;
+  open_case(&f, torn, "", "self_collision on");
+  saved_on_the_way(&f, 300, 30);
+}
+
+static void damaged_sections(void) {
+  fixture_scoped f = {0};
+  open_case(&f, folded, "", "self_collision on");
+  CHECK(damage_each_bit(&f, IMAGE_YARN_COLLISION, 2) > 16);
+}
+
+int main(void) {
+  TEST(nothing_passes);
+  TEST(pools_of_any_size);
+  TEST(momentum_is_kept);
+  TEST(saved_in_the_middle);
+  TEST(damaged_sections);
+  return test_end();
+}

@@ -1,9 +1,0 @@
-/* SPDX-License-Identifier: Apache-2.0 */
-#ifndef FRAY_TOOLS_CMD_RENDER_H
-#define FRAY_TOOLS_CMD_RENDER_H
-
-/* fray render; argv[0] is the verb. Returns the exit code: 0 good, 1 writing failed, 2 wrong use or
- * unreadable input. */
-int cmd_render(int argc, char **argv);
-
-#endif

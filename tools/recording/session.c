@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "tools/recording/session.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+#include "tools/recording/unseal.h"
+
+static int read_log(session *s, const char *file, const char *path, const char *key) {
+  candump_log log;
+  candump_error error;
+  memset(&error, 0, sizeof error);
+  if (!candump_load(path, &log, &error)) {
+    candump_print_error(stderr, &error);
+    return 0;
+  }
+  if (!unseal_log(path, &log, key, s->instance, s->facts.hands, stderr)) {
+    candump_free(&log);
+    return 0;
+  }
+  const replay_setting setting = {s->instance,
+                                  s->facts.hands,
+                                  s->facts.rate_hz,
+                                  s->facts.tick,
+                                  {s->facts.consumed[0], s->facts.consumed[1]},
+                                  1};
+  int good = replay_read(path, &log, &setting, &s->log, &error);
+  candump_free(&log);
+  if (!good) {
+    candump_print_error(stderr, &error);
+  } else if (s->log.count == 0) {
+    fprintf(stderr, "%s: holds no ticks, expected a device log or a recording\n", path);
+    replay_free(&s->log);
+    good = 0;
+  } else if (s->log.recording && s->log.first != s->facts.tick) {
+    fprintf(stderr, "%s: starts with tick %" PRIu64 ", expected %" PRIu64 " as in %s\n", path, s->log.first,
+            s->facts.tick, file);
+    replay_free(&s->log);
+    good = 0;
+  }
+  return good;
+}
+
+int session_open(session *s, const char *file, const char *log, const char *key,
+                 uint32_t instance) {
+  memset(s, 0, sizeof *s);
+  s->instance = instance;
+  const int code = world_file_open(file, &s->world_file, stderr);
+  if (code != 0) return code;
+  s->facts = fray_get_info(s->world_file.world);
+  if (log != NULL && !read_log(s, file, log, key)) {
+    world_file_close(&s->world_file);
+    return 2;
+  }
+  return 0;
+}
+
+const fray_input *session_input(const session *s, uint64_t n) {
+  static const fray_input nothing;
+  return n < s->log.count ? &s->log.ticks[n].input : &nothing;
+}
+
+void session_close(session *s) {
+  replay_free(&s->log);
+  world_file_close(&s->world_file);
+}

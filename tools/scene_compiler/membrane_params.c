@@ -1,0 +1,350 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The number of elastic steps that the stress needs, the factor of the stiffness where they would be too
+ * many, and the gains that follow. */
+#include <string.h>
+
+#include "tools/scene_compiler/membrane.h"
+
+/* Over all triangles, Q24 lu: the minimum of the edges and of the heights times root 2 (in a right isosceles
+ * triangle both are the same). */
+static int64_t min_edge(const trimesh *s, int64_t *min_height, int64_t *min_area) {
+  int64_t min = INT64_MAX;
+  *min_height = *min_area = INT64_MAX;
+  for (uint32_t t = 0; t < (uint32_t)s->state->triangles; ++t) {
+    uint64_t longest = 0;
+    for (uint32_t k = 0; k < 3; ++k) {
+      const trimesh_point a = trimesh_at(s, s->triangle[t].v[k]);
+      const trimesh_point b = trimesh_at(s, s->triangle[t].v[trimesh_next(k)]);
+      const uint64_t squared = fx_square(fx_sub(b.u, a.u)) + fx_square(fx_sub(b.v, a.v));
+      if (squared > longest) longest = squared;
+      min = fx_clamp64(exact_sqrt(squared), 0, min);
+    }
+    const trimesh_triangle *f = &s->triangle[t];
+    const int64_t twice =
+        trimesh_twice_area(trimesh_at(s, f->v[0]), trimesh_at(s, f->v[1]), trimesh_at(s, f->v[2]));
+    const int64_t height = twice / (int64_t)exact_sqrt(longest);
+    *min_height = fx_clamp64(height, 0, *min_height);
+    *min_area = fx_clamp64(s->area[t], 0, *min_area);
+    min = fx_clamp64(height * 92682 >> 16, 0, min);
+  }
+  return min;
+}
+
+/* The steepest slope of stress over strain: the entry c itself, and where c grows with the strain also
+ * 2 c - c(rest): c plus the growth of c, at the end of the table's range. */
+static exact stiffest(const material_spec *f) {
+  exact max = exact_make(0, 1);
+  for (uint32_t r = 0; r < MATERIAL_ROWS; ++r)
+    for (uint32_t n = 0; n < MATERIAL_ENTRIES; ++n) {
+      const exact c = f->stretch[r][n];
+      const exact grown = exact_sub(exact_add(c, c), f->stretch[0][n]);
+      if (exact_compare(c, max) > 0) max = c;
+      if (exact_compare(grown, max) > 0) max = grown;
+    }
+  return max;
+}
+
+/* Cloth stretched by l is stiffer by 3 l + 3/2 l^2: by the square of its length, and by its tension,
+ * which rotates with it. Waves are then faster by at most 3/2 l, which matters along tears, where no
+ * neighbour restrains a vertex. l is at most strain_limit; without one, the strain at which it tears:
+ * tension C l is the strength. In steps of 1/64, so that exact numbers stay short. */
+static exact faster_drawn(const scene *s) {
+  const material_spec *f = &s->membrane.cloth;
+  exact l = s->membrane.strain_limit;
+  int64_t steps = 0;
+  exact max = exact_make(0, 1);
+  for (uint32_t n = 0; n < TEAR_STRENGTH_DIRECTIONS; ++n)
+    if (exact_compare(f->strength[n], max) > 0) max = f->strength[n];
+  if (l.numerator == 0) l = exact_div(max, stiffest(f));
+  if (max.numerator != 0 && exact_to_fixed(exact_mul(l, exact_make(3, 2)), 6, &steps)) ++steps;
+  return exact_make(64 + fx_clamp64(steps, 0, 64 * 15), 64);
+}
+
+/* The square of the steps of a tick. N = 1.7e-3 root(C / rho) / edge in a millisecond, in SI, times the
+ * factor of stretched cloth. */
+static exact steps_squared(const draft *d, int64_t edge) {
+  const scene *s = d->scene;
+  /* N/m over g/cm2 is 1000 cm2/s2; the edge is in Q24 lu, taken to 2^-12 of it so that squares fit */
+  const exact speed = exact_mul(exact_div(stiffest(&s->membrane.cloth), s->membrane.cloth.density),
+                                exact_make(1000, 1));
+  const exact length = exact_div(exact_make(edge >> 12, 4096), d->lu_per_cm);
+  const exact per_tick = exact_mul(exact_make(17, 10 * (int64_t)s->rate_hz), faster_drawn(s));
+  const exact crossed = exact_div(exact_div(speed, length), length);
+  return exact_mul(crossed, exact_mul(per_tick, per_tick));
+}
+
+static int refuse_stiffness(const draft *d) {
+  const char *key = "stretch";
+  const uint32_t block = draft_material(d, &key);
+  return draft_expected(d, block, key,
+                        "a stiffness over a density that measured cloths come near to, in numbers of "
+                        "fewer digits");
+}
+
+static int find_steps(draft *d, int64_t edge) {
+  const scene *s = d->scene;
+  const uint32_t max =
+      s->membrane.elastic_steps_max > d->substeps ? s->membrane.elastic_steps_max : d->substeps;
+  const exact squared = steps_squared(d, edge);
+  const exact bound = exact_make((int64_t)max * max, 1);
+  int64_t fixed;
+  d->stiffness = exact_make(1, 1);
+  if (!exact_valid(squared)) return refuse_stiffness(d);
+  if (exact_compare(squared, bound) > 0) {
+    if (!exact_to_fixed(exact_div(bound, squared), 30, &fixed) || fixed < 1)
+      return draft_expected(d, BLOCK_CLOTH, "elastic_steps_max",
+                            "more for so stiff a material, or a softer one");
+    d->stiffness = exact_make(fixed, 1 << 30);
+    d->elastic_steps = max / d->substeps;
+    return 1;
+  }
+  if (!exact_to_fixed(squared, 16, &fixed)) return refuse_stiffness(d);
+  const uint32_t steps = (exact_sqrt((uint64_t)fixed) + 255) / 256; /* root of Q16: Q8 */
+  d->elastic_steps = (steps + d->substeps - 1) / d->substeps;
+  if (d->elastic_steps == 0) d->elastic_steps = 1;
+  return 1;
+}
+
+/* The least height for which elastic steps of this length are stable: that edge over root 2, and a little for
+ * rounding. Lower triangles are treated as 7/10 of that (rt/membrane/membrane_gains.c). */
+static int32_t steepest(const draft *d, int64_t edge) {
+  const int64_t steps = (int64_t)d->elastic_steps * d->substeps;
+  const exact length = exact_make(edge >> 12, 4096);
+  const exact slack =
+      exact_div(exact_make(steps * steps, 1), exact_mul(steps_squared(d, edge), d->stiffness));
+  int64_t fixed;
+  if (!exact_to_fixed(exact_div(exact_div(exact_mul(slack, exact_make(21, 10)), length), length), 12, &fixed))
+    return INT32_MAX;
+  return (int32_t)fx_clamp64(fixed, 1 << 10, INT32_MAX);
+}
+
+/* A number of the material: of its own key, or of the word behind `material`. */
+static draft_number number_of(const draft *d, const char *key, unit_quantity quantity, exact given) {
+  const uint32_t block = draft_material(d, &key);
+  return draft_given(block, key, quantity, given);
+}
+
+static int fill_material(const draft *d, material_table *f) {
+  const exact grams = exact_make(1000, 1); /* N/m to g/s2, the unit of scene.h's ranges */
+  const material_spec *from = &d->scene->membrane.cloth;
+  int64_t fixed;
+  memset(f, 0, sizeof *f);
+  if (!exact_to_fixed(d->stiffness, 30, &fixed)) return 0;
+  f->scale = (int32_t)fixed;
+  for (uint32_t r = 0; r < MATERIAL_ROWS; ++r)
+    for (uint32_t n = 0; n < MATERIAL_ENTRIES; ++n)
+      if (!draft_fixed_point(d,
+                             number_of(d, "stretch", UNIT_STIFFNESS, exact_mul(from->stretch[r][n], grams)),
+                             exact_mul(from->stretch[r][n], d->stiffness), 12, n == 1 ? 0 : 1,
+                             MATERIAL_STIFF_MAX, &f->stretch[r][n]))
+        return 0;
+  for (uint32_t b = 0; b < MATERIAL_BENDS; ++b)
+    for (uint32_t n = 0; n < MATERIAL_CURVES; ++n)
+      if (!draft_fixed_point(d, number_of(d, "bend", UNIT_BENDING, from->bend[b][n]), from->bend[b][n], 40, 0,
+                             INT32_MAX, &f->bend[b][n]))
+        return 0;
+  return 1;
+}
+
+static int fill_tear_strength(const draft *d, tear_strength *t) {
+  const material_spec *from = &d->scene->membrane.cloth;
+  for (uint32_t n = 0; n < TEAR_STRENGTH_DIRECTIONS; ++n)
+    if (!draft_fixed_point(
+            d, number_of(d, "tear", UNIT_STIFFNESS, exact_mul(from->strength[n], exact_make(1000, 1))),
+            from->strength[n], 12, 0, MAX_TEAR_STRENGTH, &t->strength[n]))
+      return 0;
+  return draft_fixed_point(d, number_of(d, "tear_interval", UNIT_TIME, from->tear_interval),
+                           exact_mul(from->tear_interval, exact_make((int64_t)d->scene->rate_hz, 1)), 0, 0,
+                           MAX_TEAR_COOLDOWN, &t->cooldown);
+}
+
+/* cm/s to lu a tick */
+static int fill_blades(const draft *d, blade_params *b) {
+  const material_spec *from = &d->scene->membrane.cloth;
+  const exact a_tick =
+      exact_div(exact_mul(from->cut_speed, d->lu_per_cm), exact_make((int64_t)d->scene->rate_hz, 1));
+  for (uint32_t n = 1; n < BLADE_CLOTHS; ++n) b->speed[n] = BLADE_NEVER;
+  b->tears_max = (int32_t)d->scene->limits.tears_per_tick;
+  return draft_fixed_point(d, number_of(d, "cut_speed", UNIT_SPEED, from->cut_speed), a_tick, 24, 0,
+                           BLADE_SPEED_MAX, &b->speed[0]);
+}
+
+/* value = mantissa * 2^-shift, with 31 bits. */
+static int mantissa_of(const draft *d, draft_number n, exact value, unsigned min, unsigned max,
+                       int32_t *mantissa, int32_t *shift) {
+  int64_t fixed = 0;
+  unsigned s = min;
+  while (s < max && (!exact_to_fixed(value, s, &fixed) || fixed < 1 << 30)) ++s;
+  *shift = (int32_t)s;
+  return draft_fixed_point(d, n, value, s, 1 << 30, INT32_MAX, mantissa);
+}
+
+/* Impulses of an elastic step as in rt/membrane/membrane_gains.c: h^2 / (i m) in s^2 / kg. */
+static exact per_newton(const draft *d) {
+  const int64_t per_second = (int64_t)d->scene->rate_hz * d->substeps;
+  const exact mass = exact_mul(d->particle_mass, exact_make(d->elastic_steps, 1));
+  return exact_div(exact_div(exact_div(exact_make(1000, 1), mass), exact_make(per_second, 1)),
+                   exact_make(per_second, 1));
+}
+
+/* Bending acts once in as many elastic steps as stay stable: a plate of stiffness D vibrates on such a mesh
+ * at up to root(150 D / rho) / edge^2, and a step may be 2 / 1.5 over that. The number of elastic steps is
+ * rounded up to a multiple of it. Where a single step is too long, bending acts in each with *share of D,
+ * Q16. */
+static int find_bending(draft *d, int64_t edge, membrane_params *c, int64_t *share) {
+  const scene *s = d->scene;
+  const material_spec *cloth = &s->membrane.cloth;
+  exact max = exact_make(0, 1);
+  *share = 65536;
+  for (uint32_t b = 0; b < MATERIAL_BENDS; ++b)
+    for (uint32_t n = 0; n < MATERIAL_CURVES; ++n)
+      if (exact_compare(cloth->bend[b][n], max) > 0) max = cloth->bend[b][n];
+  if (max.numerator == 0) return 1;
+  /* in SI: edge^2 times elastic steps a second, Q16; density over D, Q4; then the square of elastic steps in
+   * the longest that bending can take, Q16. Rounded on the way, so that the exact numbers stay short */
+  const exact length = exact_mul(exact_make(edge >> 12, 4096), exact_make(d->lu_um, 1000000));
+  const exact inner = exact_make((int64_t)s->rate_hz * d->substeps * d->elastic_steps, 1);
+  int64_t crossed;
+  int64_t light;
+  int64_t steps;
+  if (!exact_to_fixed(exact_mul(exact_mul(length, length), inner), 16, &crossed) ||
+      !exact_to_fixed(exact_div(exact_mul(cloth->density, exact_make(10, 1)), max), 4, &light))
+    return draft_expected(d, number_of(d, "bend", UNIT_BENDING, max).block,
+                          number_of(d, "bend", UNIT_BENDING, max).key,
+                          "a number of fewer digits, or one nearer to measured ones");
+  const exact once = exact_make(crossed, 1 << 16);
+  const exact wanted =
+      exact_mul(exact_mul(exact_make(light, 16), exact_make(118, 10000)), exact_mul(once, once));
+  if (!exact_to_fixed(wanted, 16, &steps)) steps = (int64_t)1 << 40;
+  const int64_t every = (int64_t)exact_sqrt((uint64_t)(steps < 0 ? 0 : steps)) >> 8;
+  c->bend_every = (int32_t)fx_clamp64(every, 1, d->elastic_steps);
+  if (every == 0) *share = steps;
+  const uint32_t period = (uint32_t)c->bend_every;
+  d->elastic_steps = (d->elastic_steps + period - 1) / period * period;
+  return 1;
+}
+
+static int fill_bending(const draft *d, int64_t share, material_table *f, membrane_params *c) {
+  const exact lu = exact_make(d->lu_um, 1000000);
+  if (c->bend_every == 0) return 1;
+  for (uint32_t b = 0; b < MATERIAL_BENDS; ++b)
+    for (uint32_t n = 0; n < MATERIAL_CURVES; ++n)
+      f->bend[b][n] = (int32_t)fx_round64(fx_mul_wide(f->bend[b][n], (int32_t)share), 16);
+  /* k = 24/5 D and sin(t/2): 24/5 every h^2 / (i m lu^2) 2^34 of 2^-40 N m */
+  const exact gain =
+      exact_mul(exact_div(exact_div(per_newton(d), lu), lu), exact_make(24 * c->bend_every, 5 * 64));
+  const draft_number n = number_of(d, "density", UNIT_AREAL_DENSITY, d->scene->membrane.cloth.density);
+  if (!mantissa_of(d, n, gain, 1, 60, &c->bend_gain, &c->bend_shift)) return 0;
+  /* curvature in 1 / lu to steps of 5 / m, Q24 */
+  return draft_fixed_point(d, n, exact_div(exact_make(1, 5), lu), 24, 0, INT32_MAX, &c->curve_gain);
+}
+
+static int fill_load(const draft *d, const fray_world *w, const scene_load *from, membrane_load *to) {
+  static const int32_t way[4][2] = {{0, 1}, {0, -1}, {-1, 0}, {1, 0}}; /* top bottom left right */
+  const exact one = exact_make(1, 1);
+  const exact h = d->scene->membrane.weft_half_tangent;
+  const exact whole = exact_add(one, exact_mul(h, h));
+  int64_t c;
+  int64_t s;
+  int64_t max = INT64_MIN;
+  if (!exact_to_fixed(exact_div(exact_sub(one, exact_mul(h, h)), whole), 30, &c) ||
+      !exact_to_fixed(exact_div(exact_add(h, h), whole), 30, &s))
+    return 0;
+  const int32_t *n = way[from->edge];
+  to->u = (int32_t)(n[0] * c + n[1] * s);
+  to->v = (int32_t)(n[1] * c - n[0] * s);
+  for (uint32_t p = 0; p < w->p.count; ++p) {
+    const int64_t at =
+        fx_round64(fx_mul_wide(to->u, w->trimesh.u[p]) + fx_mul_wide(to->v, w->trimesh.v[p]), 30);
+    if (at > max) max = at;
+  }
+  to->at = (int32_t)max;
+  for (uint32_t a = 0; a < 3; ++a)
+    if (!draft_fixed_point(
+            d,
+            draft_given(BLOCK_SCENE, "load", UNIT_STIFFNESS, exact_mul(from->force[a], exact_make(1000, 1))),
+            exact_mul(from->force[a], per_newton(d)), 26, -MAX_LOAD, MAX_LOAD, &to->force[a]))
+      return 0;
+  return 1;
+}
+
+/* Air of 1.2 kg/m3; p lu^3 s / (12 m) in SI, times the coefficient, (rt/membrane/wind.c). Both
+ * gains have the shift of the larger. */
+static int fill_wind(const draft *d, membrane_params *c) {
+  const scene *s = d->scene;
+  const int64_t per_second = (int64_t)s->rate_hz * d->substeps;
+  const exact lu_m = exact_make(d->lu_um, 1000000);
+  const exact grams = exact_mul(d->particle_mass, exact_make(12, 1));
+  const exact gain = exact_mul(exact_mul(exact_div(exact_make(1200 * (int64_t)d->substeps, 1), grams), lu_m),
+                               exact_mul(lu_m, lu_m));
+  const exact max = exact_compare(s->membrane.wind_normal, s->membrane.wind_drag) > 0
+                         ? s->membrane.wind_normal : s->membrane.wind_drag;
+  int32_t mantissa;
+  for (uint32_t a = 0; a < 3; ++a)
+    if (!draft_fixed_point(d, draft_given(BLOCK_SCENE, "wind", UNIT_SPEED, s->wind[a]),
+                           exact_div(exact_mul(s->wind[a], d->lu_per_cm), exact_make(per_second, 1)), 28,
+                           -MAX_WIND, MAX_WIND, &c->wind[a]))
+      return 0;
+  if (!s->has_wind || max.numerator == 0) return 1;
+  const exact value = exact_mul(gain, exact_make(16, 1)); /* from |N| w^2 in Q24 to Q28 */
+  const draft_number density = number_of(d, "density", UNIT_AREAL_DENSITY, s->membrane.cloth.density);
+  if (!mantissa_of(d, density, exact_mul(value, max), 1, 61, &mantissa, &c->wind_shift)) return 0;
+  const unsigned shift = (unsigned)c->wind_shift;
+  return draft_fixed_point(d, draft_given(BLOCK_CLOTH, "wind_normal", UNIT_NONE, s->membrane.wind_normal),
+                           exact_mul(value, s->membrane.wind_normal), shift, 0, INT32_MAX, &c->wind_normal) &&
+         draft_fixed_point(d, draft_given(BLOCK_CLOTH, "wind_drag", UNIT_NONE, s->membrane.wind_drag),
+                           exact_mul(value, s->membrane.wind_drag), shift, 0, INT32_MAX, &c->wind_drag);
+}
+
+/* 64 ms, or half as much more or less. */
+static int32_t lowpass_shift_of(uint32_t rate_hz) {
+  int32_t shift = 1;
+  while (shift < 16 && ((uint64_t)1500 << shift) < (uint64_t)64 * rate_hz) ++shift;
+  return shift;
+}
+
+int draft_membrane_params(draft *d, fray_world *w) {
+  const scene *s = d->scene;
+  trimesh_params *mesh = WRITABLE(trimesh_params, w->trimesh.params);
+  membrane_params *c = WRITABLE(membrane_params, w->membrane.constants);
+  int64_t height;
+  int64_t area;
+  int64_t share;
+  const int64_t edge = min_edge(&w->trimesh, &height, &area);
+  mesh->triangles = w->trimesh.state->triangles;
+  mesh->materials = 1;
+  mesh->height_min = (int32_t)fx_clamp64(height / 4, 1 << 15, 1 << 24);
+  mesh->area_min = (int32_t)fx_clamp64(area / 16, 1 << 8, 1 << 27);
+  if (height < mesh->height_min || area < mesh->area_min)
+    return draft_expected(d, BLOCK_CLOTH, "pattern",
+                          "cells nearer to squares, or another %s: a triangle is too flat",
+                          s->membrane.pattern == PATTERN_IRREGULAR ? "seed" : "angle");
+  if (!find_steps(d, edge) || !find_bending(d, edge, c, &share)) return 0;
+  if (!fill_material(d, WRITABLE(material_table, w->membrane.materials)) ||
+      !fill_tear_strength(d, WRITABLE(tear_strength, w->membrane.tear_strengths)) ||
+      (world_has_blades(w) && !fill_blades(d, WRITABLE(blade_params, w->membrane.blades))))
+    return 0;
+  c->steps = (int32_t)d->elastic_steps;
+  const exact cell = exact_mul(exact_mul(s->membrane.cell[0], d->lu_per_cm),
+                               exact_mul(s->membrane.cell[1], d->lu_per_cm));
+  if (!draft_fixed_point(d, draft_given(BLOCK_CLOTH, "cell", UNIT_LENGTH, s->membrane.cell[0]),
+                         exact_mul(cell, exact_make(3, 1)), 30, 1 << 8, 1 << 30, &c->mass_unit))
+    return 0;
+  /* gain of an area in lu^2: Q30 impulse from N/m, see membrane_stress_update */
+  if (!mantissa_of(d, number_of(d, "density", UNIT_AREAL_DENSITY, s->membrane.cloth.density),
+                   exact_mul(per_newton(d), exact_make(1 << 18, 1)), 8, 60, &c->force_gain, &c->force_shift))
+    return 0;
+  c->weight2_max = steepest(d, edge);
+  c->bend_shift = c->wind_shift = 1;
+  c->smoothing_shift = lowpass_shift_of(s->rate_hz);
+  if (s->membrane.strain_limit.numerator != 0 &&
+      !draft_fixed_point(d, draft_given(BLOCK_CLOTH, "strain_limit", UNIT_SHARE, s->membrane.strain_limit),
+                         exact_add(exact_make(1, 1), s->membrane.strain_limit), 16, 1 << 16, 1 << 20,
+                         &c->edge_limit))
+    return 0;
+  if (!fill_wind(d, c) || !fill_bending(d, share, WRITABLE(material_table, w->membrane.materials), c))
+    return 0;
+  for (uint32_t n = 0; n < s->load_count; ++n)
+    if (!fill_load(d, w, &s->loads[n], &c->load[n])) return 0;
+  return 1;
+}

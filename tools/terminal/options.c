@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#define _POSIX_C_SOURCE 200809L
+
+#include "tools/terminal/options.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static int take_number(const char *command, const option *o, const char *word) {
+  char *end;
+  const unsigned long v = strtoul(word, &end, 10);
+  if (word[0] < '0' || word[0] > '9' || *end != 0 || v < o->min || v > o->max) {
+    fprintf(stderr, "fray %s: %s '%s', expected a number from %u to %u\n", command, o->name, word,
+            o->min, o->max);
+    return 0;
+  }
+  *o->number = (uint32_t)v;
+  return 1;
+}
+
+static int take_option(int argc, char **argv, int *n, const option *o) {
+  if (o->flag != NULL) {
+    *o->flag = 1;
+    return 1;
+  }
+  if (*n + 1 == argc || argv[*n + 1][0] == 0) {
+    fprintf(stderr, "fray %s: %s, expected a value after it\n", argv[0], o->name);
+    return 0;
+  }
+  const char *word = argv[++*n];
+  if (o->number != NULL) return take_number(argv[0], o, word);
+  *o->text = word;
+  return 1;
+}
+
+static void complain(const char *command, const char *word, const option *table, uint32_t count) {
+  fprintf(stderr, "fray %s: unexpected '%s'; options:", command, word);
+  for (uint32_t k = 0; k < count; ++k) fprintf(stderr, " %s", table[k].name);
+  fprintf(stderr, " --help\n");
+}
+
+/* By its name, or by device and number; devices and pipes may serve twice. */
+static int is_one_file(const char *a, const char *b) {
+  struct stat x, y;
+  const int found = stat(a, &x) == 0 && stat(b, &y) == 0;
+  if (!found) return strcmp(a, b) == 0;
+  return S_ISREG(x.st_mode) && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+}
+
+static int refuse_output(const char *command, const option *output, const char *what, const char *file) {
+  fprintf(stderr, "fray %s: %s %s is the file of %s %s, expected another one\n", command, output->name, *output->text,
+          what, file);
+  return 0;
+}
+
+static int is_given(const option *o, option_word kind) {
+  return o->text != NULL && *o->text != NULL && o->min == (uint32_t)kind;
+}
+
+/* Refuses an output that would go over something else. */
+static int are_apart(const char *command, const option *table, uint32_t count, const char *operand) {
+  for (uint32_t k = 0; k < count; ++k) {
+    const option *output = &table[k];
+    if (!is_given(output, OPTION_OUTPUT)) continue;
+    if (operand != NULL && is_one_file(operand, *output->text))
+      return refuse_output(command, output, "the input", operand);
+    for (uint32_t n = 0; n < count; ++n) {
+      const int clashes = is_given(&table[n], OPTION_INPUT) || (n < k && is_given(&table[n], OPTION_OUTPUT));
+      if (clashes && is_one_file(*table[n].text, *output->text))
+        return refuse_output(command, output, table[n].name, *table[n].text);
+    }
+  }
+  return 1;
+}
+
+options_result options_parse(int argc, char **argv, const option *table, uint32_t count,
+                             const char **operand) {
+  for (int n = 1; n < argc; ++n) {
+    if (strcmp(argv[n], "--help") == 0 || strcmp(argv[n], "-h") == 0) return OPTIONS_HELP;
+    uint32_t k = 0;
+    while (k < count && strcmp(argv[n], table[k].name) != 0) ++k;
+    if (k < count) {
+      if (!take_option(argc, argv, &n, &table[k])) return OPTIONS_WRONG;
+    } else if (argv[n][0] != '-' && *operand == NULL) {
+      *operand = argv[n];
+    } else {
+      complain(argv[0], argv[n], table, count);
+      return OPTIONS_WRONG;
+    }
+  }
+  return are_apart(argv[0], table, count, *operand) ? OPTIONS_GOOD : OPTIONS_WRONG;
+}

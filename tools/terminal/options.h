@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Command lines: a table of options, one operand, and messages that name what was expected. */
+#ifndef FRAY_TOOLS_TERMINAL_OPTIONS_H
+#define FRAY_TOOLS_TERMINAL_OPTIONS_H
+
+#include <stdint.h>
+
+/* What a word names. */
+typedef enum { OPTION_WORD, OPTION_INPUT, OPTION_OUTPUT } option_word;
+
+typedef struct {
+  const char *name;   /* "--ticks" */
+  const char **text;  /* takes a word */
+  uint32_t *number;   /* or a whole number */
+  int *flag;          /* or nothing: set to 1 */
+  uint32_t min, max; /* of a number; of a word min is an option_word */
+} option;
+
+typedef enum { OPTIONS_GOOD, OPTIONS_HELP, OPTIONS_WRONG } options_result;
+
+/* argv[0] is the command. At most one word that is not an option goes to *operand, which is an input file. An
+ * output that is one file with an input or another output is refused. On OPTIONS_WRONG a message is on stderr; on
+ * OPTIONS_HELP the caller prints its usage. */
+options_result options_parse(int argc, char **argv, const option *table, uint32_t count,
+                             const char **operand);
+
+#endif
