@@ -233,6 +233,66 @@ size_t fray_save(const fray_world *world, void *buffer, size_t buffer_bytes);
 /* The most work that any tick of this world can count. Cost: linear in batches and bodies. */
 fray_work fray_work_bound(const fray_world *world);
 
+/* ---- energy ----
+ *
+ * What a world stores, what it was supplied with, and what each stage of its ticks made or lost, since it is
+ * watched (rt/energy/README.md): at any time
+ *
+ *   sum of stored - begun = sum of supplied + sum of made - sum of lost
+ *
+ * to FRAY_ENERGY_ROUNDING units. A unit is 2^-40 of a particle's mass times (lu per substep)^2, in joules
+ * 2^-40 * particle_mass_ng * 1e-24 * (lu_um * rate_hz * substeps)^2. Watching changes no bit of a world and
+ * is no part of its images; one worker computes a watched tick. Builds with FRAY_ENERGY=0, as those for small
+ * and bare machines are, do not have these functions. */
+#define FRAY_ENERGY_STORE_ROWS(X) \
+  X(FRAY_STORED_KINETIC, "kinetic")   /* of free particles, in the middle of two steps */ \
+  X(FRAY_STORED_BODIES, "bodies")     /* kinetic, of free bodies */ \
+  X(FRAY_STORED_STRETCH, "stretch")   /* of a membrane */ \
+  X(FRAY_STORED_SHEAR, "shear") \
+  X(FRAY_STORED_BEND, "bend") \
+  X(FRAY_STORED_YARNS, "yarns")       /* elastic yarns */ \
+  X(FRAY_STORED_POTENTIAL, "potential") /* of free particles and bodies against the origin */
+#define FRAY_ENERGY_SUPPLY_ROWS(X) \
+  X(FRAY_SUPPLIED_WIND, "wind") \
+  X(FRAY_SUPPLIED_LOADS, "loads") \
+  X(FRAY_SUPPLIED_BODIES, "work_bodies") /* fixed ones and those on paths */ \
+  X(FRAY_SUPPLIED_HANDS, "work_hands")
+#define FRAY_ENERGY_STAGE_ROWS(X) \
+  X(FRAY_ENERGY_STEPS, "steps")       /* motion under elastic forces and gravity */ \
+  X(FRAY_ENERGY_DRAG, "drag") \
+  X(FRAY_ENERGY_DAMPING, "damping") \
+  X(FRAY_ENERGY_LIMITS, "limits")     /* of strain, of speed, and the edge of the world */ \
+  X(FRAY_ENERGY_SLIP, "slip")         /* yarns on yarns */ \
+  X(FRAY_ENERGY_CONTACT, "contact")   /* with bodies: pushes and friction */ \
+  X(FRAY_ENERGY_SELF_COLLISION, "self_collision") \
+  X(FRAY_ENERGY_TEARS, "tears")       /* tears, splits and cuts */ \
+  X(FRAY_ENERGY_MATERIAL, "material") /* a stiffness that follows the strain; bending that is prepared anew */
+#define FRAY_ENERGY_NAME(name, text) name,
+typedef enum { FRAY_ENERGY_STORE_ROWS(FRAY_ENERGY_NAME) FRAY_ENERGY_STORES } fray_energy_store;
+typedef enum { FRAY_ENERGY_SUPPLY_ROWS(FRAY_ENERGY_NAME) FRAY_ENERGY_SUPPLIES } fray_energy_supply;
+typedef enum { FRAY_ENERGY_STAGE_ROWS(FRAY_ENERGY_NAME) FRAY_ENERGY_STAGES } fray_energy_stage;
+#undef FRAY_ENERGY_NAME
+enum { FRAY_ENERGY_ROUNDING = FRAY_ENERGY_STORES + FRAY_ENERGY_SUPPLIES + 2 * FRAY_ENERGY_STAGES };
+
+/* In units, saturated. A stage's net of each tick goes to what it made where it is above 0, else to what it
+ * lost: neither is below 0. */
+typedef struct {
+  uint64_t ticks;                         /* since it is watched, and the ledger has begun */
+  int64_t begun;                          /* sum of stored when it began */
+  int64_t stored[FRAY_ENERGY_STORES];     /* now */
+  int64_t supplied[FRAY_ENERGY_SUPPLIES];
+  int64_t gravity;                        /* its work: what the potential has lost */
+  int64_t made[FRAY_ENERGY_STAGES], lost[FRAY_ENERGY_STAGES];
+  uint32_t fastest_vertex;                /* the free particle that was fastest at the end of a tick */
+  uint32_t fastest_speed;                 /* Q28 lu per substep, saturated */
+  uint64_t fastest_tick;
+} fray_energy_account;
+
+/* Begins the account anew, in the next tick. Cost: constant; a watched tick takes several times as long. */
+void fray_energy_watch(fray_world *world);
+/* The account of a watched world; of one that is not watched all 0. Cost: constant. */
+fray_energy_account fray_energy(const fray_world *world);
+
 /* ---- one tick by several workers ----
  *
  * A schedule divides the ticks of one world into steps for a fixed number of workers. They compute what

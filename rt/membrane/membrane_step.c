@@ -6,7 +6,9 @@
  *                lu per substep
  *   velocity     += impulse * inverse mass, less drag, plus gravity; Q28 lu per substep
  *   position     += velocity / steps; Q28 lu, and 31 bits below it */
+#include "rt/base/bytes.h"
 #include "rt/membrane/membrane.h"
+#include "rt/membrane/step_meter.h"
 #include "rt/simd/simd.h"
 
 /* Part n of a whole that is divided into so many parts: floors, which add up to the whole. */
@@ -148,6 +150,16 @@ static void end_steps(fray_world *w) {
   if (at_edge != 0) world_fault(w, FRAY_FAULT_OUT_OF_WORLD);
 }
 
+void membrane_impulses_now(fray_world *w) {
+  const fray_work work = w->work;
+  FRAY_ASSERT(world_has_membrane(w));
+  begin_steps(w);
+  bytes_zero(w->membrane.impulse, w->p.count * sizeof *w->membrane.impulse);
+  membrane_force_add(w);
+  if (w->membrane.constants->bend_every != 0) bend_force_add(w);
+  w->work = work;
+}
+
 void membrane_step_run(fray_world *w, uint32_t substep) {
   const int32_t steps = w->membrane.constants->steps;
   const int32_t bend_every = w->membrane.constants->bend_every;
@@ -161,6 +173,7 @@ void membrane_step_run(fray_world *w, uint32_t substep) {
     if (bend_every != 0 && step % bend_every == 0) bend_force_add(w);
     begin_step(w, &view, substep, step);
     step_vertices(w, &view, step);
+    step_meter(w, &view);
   }
   end_steps(w);
   w->work.particle_steps += (w->p.count - particles_attached(w)) * (uint32_t)steps;

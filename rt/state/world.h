@@ -12,6 +12,7 @@
 #include "rt/state/contact_list.h"
 #include "rt/state/bend_hinge.h"
 #include "rt/state/elastic_step.h"
+#include "rt/state/energy_ledger.h"
 #include "rt/state/features.h"
 #include "rt/state/triangle_pairs.h"
 #include "rt/state/params.h"
@@ -231,6 +232,9 @@ struct fray_world {
   uint32_t first_tear;             /* of this tick: canonical spring or vertex; see fray_output */
   vec3 gravity_step;               /* of this substep, Q28 */
   fray_work work;
+#if FRAY_ENERGY
+  energy_ledger energy;            /* no part of the state */
+#endif
 };
 
 /* Sets a sticky fault. */

@@ -4,6 +4,7 @@
 
 #include "rt/base/assert.h"
 #include "rt/base/bytes.h"
+#include "rt/energy/energy.h"
 #include "rt/haptics/haptics.h"
 
 void tick_start(fray_world *w, fray_output *output) {
@@ -19,11 +20,13 @@ void tick_start(fray_world *w, fray_output *output) {
 void fray_tick(fray_world *w, const fray_input *input, fray_output *output) {
   FRAY_ASSERT(w != NULL && input != NULL && output != NULL);
   tick_start(w, output);
+  energy_begin(w);
   haptic_device_update(w, input);
   if (world_has_membrane(w))
     tick_membrane(w);
   else
     tick_woven(w);
+  energy_end(w);
   haptic_force_update(w, output->force);
   tick_report(w, output);
 }

@@ -2,6 +2,7 @@
 /* A tick of the membrane (Karaoz 2015): stress, tears and cuts once a tick (sections 2.7, 3.1, 3.2); each
  * substep is some elastic steps of stress and bending (2.4, 2.5), then collisions (2.6). */
 #include "rt/contact/contact.h"
+#include "rt/energy/energy.h"
 #include "rt/integrate/integrate.h"
 #include "rt/membrane/membrane.h"
 #include "rt/self_collision/self_collision.h"
@@ -14,23 +15,33 @@ void tick_membrane(fray_world *w) {
   if (w->params->tearing != 0) membrane_tear_apply(w);
   if (world_has_blades(w)) blade_cut_apply(w);
   membrane_gains_update(w);
+  energy_stage(w, w->work.tears != 0 ? FRAY_ENERGY_TEARS : FRAY_ENERGY_MATERIAL);
   wind_apply(w);
+  energy_wind(w);
   contact_gather(w);
   if (world_has_triangle_collision(w)) triangle_collision_begin(w);
   for (uint32_t substep = 0; substep < substeps; ++substep) {
     if (world_has_rigid_meshes(w)) contact_vertices_begin(w);
     bodies_advance(w, substep);
+    energy_bodies(w);
     membrane_step_run(w, substep);
     particles_carry(w);
+    energy_moves(w);
     edge_limit_apply(w);
+    energy_stage(w, FRAY_ENERGY_LIMITS);
     contact_primitives_solve(w);
     if (world_has_rigid_meshes(w)) contact_vertices_solve(w);
+    energy_stage(w, FRAY_ENERGY_CONTACT);
     if (substep + 1u == substeps) {
       particles_hold(w);
+      energy_stage(w, FRAY_ENERGY_LIMITS);
       if (world_has_triangle_collision(w)) triangle_collision_solve(w);
+      energy_stage(w, FRAY_ENERGY_SELF_COLLISION);
     }
     particles_update_velocity(w);
+    energy_velocities(w);
     contact_update_velocity(w);
     bodies_update_velocity(w);
+    energy_stage(w, FRAY_ENERGY_CONTACT);
   }
 }

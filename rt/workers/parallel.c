@@ -17,6 +17,7 @@
 
 #include "rt/base/arena.h"
 #include "rt/base/bytes.h"
+#include "rt/energy/energy.h"
 #include "rt/tick/tick.h"
 #include "rt/woven/tear_queue.h"
 
@@ -315,7 +316,7 @@ void fray_parallel_step(fray_parallel *par, uint32_t worker, uint32_t step, cons
                         fray_output *output) {
   FRAY_ASSERT(par != NULL && worker < par->workers && step < par->step.end);
   schedule_entry entry;
-  if (par->block_count == 0) {
+  if (par->block_count == 0 || energy_is_watched(par->world)) {
     if (worker == 0 && step == 0) fray_tick(par->world, input, output);
   } else if (step == 0) {
     if (worker == 0) open_tick(par, input, output);

@@ -9,6 +9,7 @@
  * which leaves the fall and the rotation of the cloth alone. All pieces of a torn cloth count as one body.
  * Until the first crossing splits all particles have the same mass, and the sums need no weights. */
 #include "rt/base/bytes.h"
+#include "rt/energy/energy.h"
 #include "rt/simd/simd.h"
 #include "rt/state/crossing.h"
 #include "rt/woven/woven.h"
@@ -128,5 +129,6 @@ void damp_range(fray_world *w, uint32_t first, uint32_t end) {
 void damp_apply(fray_world *w) {
   FRAY_ASSERT(!world_has_membrane(w));
   damp_begin(w);
+  energy_stage(w, FRAY_ENERGY_DAMPING);
   damp_range(w, particles_attached(w), w->p.count);
 }

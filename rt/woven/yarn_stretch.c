@@ -16,6 +16,7 @@
  * order of the links, those of damping, which come before them, do.
  *
  * Positions move by v / 2^b and keep the remainder of rounding. */
+#include "rt/energy/energy.h"
 #include "rt/simd/simd.h"
 #include "rt/state/crossing.h"
 #include "rt/woven/woven.h"
@@ -117,7 +118,11 @@ static void apply_batches(fray_world *w, const yarn_elastic_view *s, int damp) {
 
 /* Damping before stretch: between the impulses of its two neighbours a particle at rest seems to move. */
 static void apply_forces(fray_world *w, const yarn_elastic_view *s) {
-  if (w->woven.elastic_params->damping_ns != 0) apply_batches(w, s, 1);
+  if (w->woven.elastic_params->damping_ns != 0) {
+    energy_stage(w, FRAY_ENERGY_STEPS);
+    apply_batches(w, s, 1);
+    energy_stage(w, FRAY_ENERGY_DAMPING);
+  }
   apply_batches(w, s, 0);
 }
 

@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The energy ledger: what a world stores, what is supplied, and what each stage of a tick makes or
+ * loses.
+ *
+ * A tick calls energy_stage() behind each stage. It measures the total and puts the difference
+ * since the last call, less the work of bodies since then, into the row of that stage: so the rows
+ * add up to the change of the total, whatever a stage does. Where it is not watched this is one
+ * comparison; where FRAY_ENERGY is 0 it is nothing. README.md says what each row means. */
+#ifndef FRAY_ENERGY_ENERGY_H
+#define FRAY_ENERGY_ENERGY_H
+
+#include "rt/state/world.h"
+
+#if FRAY_ENERGY
+void energy_close_stage(fray_world *w, fray_energy_stage stage);
+void energy_close_wind(fray_world *w);
+void energy_close_bodies(fray_world *w);
+void energy_close_moves(fray_world *w);
+void energy_close_velocities(fray_world *w);
+void energy_open_tick(fray_world *w);
+void energy_close_tick(fray_world *w);
+#define ENERGY_HOOK(call) \
+  if (__builtin_expect(w->energy.watched, 0)) call
+#else
+#define ENERGY_HOOK(call) (void)w
+#endif
+
+static inline int energy_is_watched(const fray_world *w) {
+#if FRAY_ENERGY
+  return w->energy.watched;
+#else
+  (void)w;
+  return 0;
+#endif
+}
+
+/* What a stage did since the last call. */
+static inline void energy_stage(fray_world *w, fray_energy_stage stage) {
+  (void)stage;
+  ENERGY_HOOK(energy_close_stage(w, stage));
+}
+/* The wind has blown. */
+static inline void energy_wind(fray_world *w) { ENERGY_HOOK(energy_close_wind(w)); }
+/* Bodies have moved. */
+static inline void energy_bodies(fray_world *w) { ENERGY_HOOK(energy_close_bodies(w)); }
+/* Particles have moved: from here on velocities are to follow what changes positions. */
+static inline void energy_moves(fray_world *w) { ENERGY_HOOK(energy_close_moves(w)); }
+/* Velocities have followed. */
+static inline void energy_velocities(fray_world *w) { ENERGY_HOOK(energy_close_velocities(w)); }
+/* Springs that act once a tick have acted. */
+static inline void energy_springs(fray_world *w) {
+#if FRAY_ENERGY
+  w->energy.passed = 0;
+#endif
+  energy_stage(w, FRAY_ENERGY_STEPS);
+}
+/* A tick begins, when impulses of bodies are 0; and ends. */
+static inline void energy_begin(fray_world *w) { ENERGY_HOOK(energy_open_tick(w)); }
+static inline void energy_end(fray_world *w) { ENERGY_HOOK(energy_close_tick(w)); }
+
+#endif

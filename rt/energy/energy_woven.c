@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Elastic energies of woven cloth. Bend and shear springs and elastic yarns pull with k (1 - r/l)
+ * d, of a difference d as long as l and the rest length r: their energy is k (l - r)^2 / 2. Beyond
+ * lengths where the stage holds the factor 1 - r/l to a bound, the energy goes on with that factor.
+ * Yarns without a stiffness are projected and store nothing.
+ *
+ * Springs that act once a tick give the impulse k (1 - r/l) d in a tick of S substeps: their energy
+ * is that over S. Their part of form is v.J / 2 before they act, so that the sum does not change
+ * when they do,
+ * - v.J / 2 after that, and in proportion between. That of yarns is v.J / 2 of an elastic step. */
+#include "rt/energy/energy_measure.h"
+#include "rt/state/crossing.h"
+
+#if FRAY_ENERGY
+
+enum { LENGTH_MAX = 4, FACTOR_BITS = 30 };
+
+/* k is mantissa 2^-shift; between these parts of the rest length, Q16, the factor follows the
+ * length. */
+typedef struct {
+  int64_t mantissa;
+  unsigned shift;
+  int32_t rest, least, most;
+} spring_law;
+
+/* Of springs so far: energy, and velocity times impulse. */
+typedef struct {
+  wide_number energy, power;
+} spring_sums;
+
+/* Q32, at most LENGTH_MAX lu. */
+static int64_t length_of(vec3 d) {
+  const uint64_t squared = vec_squared(d);
+  if (squared == 0) return 0;
+  if (squared >> 47 == 0) return fx_root_length(fx_rsqrt(squared << 16, FX_ROOT_FINE));
+  const int64_t length = (int64_t)fx_root_length(fx_rsqrt(squared, FX_ROOT_FINE)) << 8;
+  return length < (int64_t)LENGTH_MAX << 32 ? length : (int64_t)LENGTH_MAX << 32;
+}
+
+/* (l - r)^2 / 2 in lu^2, and 1 - r/l. */
+typedef struct {
+  wide_number stored;
+  int64_t factor;
+} spring_state;
+
+static spring_state state_of(const spring_law *law, int64_t length) {
+  const int64_t rest = (int64_t)law->rest << 8;
+  const int64_t held = fx_clamp64(length, rest * law->least >> 16, rest * law->most >> 16);
+  const int64_t away = held - rest; /* below 2^31 */
+  spring_state s = {{0, (uint64_t)(away * away) >> 1},
+                    held > 0 ? away * ((int64_t)1 << FACTOR_BITS) / held : 0};
+  if (length == held) return s;
+  const int64_t l = length >> 4; /* Q28 */
+  const int64_t h = held >> 4;
+  s.stored = wide_add(s.stored, wide_product(l * l - h * h, s.factor, 56u + FACTOR_BITS + 1u));
+  return s;
+}
+
+static vec64 velocity_of(const fray_world *w, uint32_t p) {
+  if (particle_is_attached(w, p)) {
+    const vec64 nothing = {0, 0, 0}; /* a body's comes by pull */
+    return nothing;
+  }
+  const vec3 v = energy_velocity(w, p);
+  const vec64 wider = {v.x, v.y, v.z};
+  return wider;
+}
+
+/* End i of d gets the impulse k (1 - r/l) d, end j the opposite. */
+static void add_spring(const fray_world *w, const spring_law *law, uint32_t i, uint32_t j,
+                       spring_sums *sums, energy_stored *e) {
+  const vec3 d = vec_sub(world_position(w, j), world_position(w, i));
+  const spring_state s = state_of(law, length_of(d));
+  const vec64 a = velocity_of(w, i);
+  const vec64 b = velocity_of(w, j);
+  const int64_t apart = d.x * (a.x - b.x) + d.y * (a.y - b.y) + d.z * (a.z - b.z); /* below 2^62 */
+  const wide_number power =
+      wide_product(apart, s.factor, FX_POSITION_BITS + FX_VELOCITY_BITS + FACTOR_BITS);
+  sums->energy = wide_add(sums->energy, wide_times(s.stored, law->mantissa, law->shift));
+  sums->power = wide_add(sums->power, wide_times(power, law->mantissa, law->shift));
+  if (!particle_is_attached(w, i) && !particle_is_attached(w, j)) return;
+  const int32_t along[3] = {d.x, d.y, d.z};
+  wide_number *pull = e->pull[w->p.attach_body[particle_is_attached(w, i) ? i : j]];
+  for (uint32_t n = 0; n < 3; ++n) {
+    const int64_t part = particle_is_attached(w, i) ? along[n] : -(int64_t)along[n];
+    const wide_number force = wide_product(part, s.factor, FX_POSITION_BITS + FACTOR_BITS);
+    pull[n] = wide_add(pull[n], wide_times(force, law->mantissa, law->shift));
+  }
+}
+
+static int is_inactive(const fray_world *w, uint32_t spring) {
+  return w->woven.spring_kind[spring] == SPRING_DEAD ||
+         (particle_is_attached(w, w->woven.spring_i[spring]) &&
+          particle_is_attached(w, w->woven.spring_j[spring]));
+}
+
+static void add_tick_springs(const fray_world *w, uint32_t first, uint32_t end, spring_sums *sums,
+                             energy_stored *e) {
+  enum { LEAST = 11585, MOST = 92682 }; /* 1 / sqrt(32) and sqrt(2): bend_shear.c's bounds of t */
+  FRAY_ASSERT(first <= end && end <= w->capacity[POOL_SPRINGS]);
+  for (uint32_t n = first; n < end; ++n) {
+    if (is_inactive(w, n)) continue;
+    const bend_shear_class *c =
+        &w->woven.bend_shear_classes[w->woven.spring_kind[n] & SPRING_CLASS];
+    const uint32_t i = w->woven.spring_i[n];
+    const uint32_t j = w->woven.spring_j[n];
+    const spring_law law = {c->mantissa, (unsigned)c->shift, c->rest, LEAST, MOST};
+    if (c->compression_only != 0 &&
+        vec_squared(vec_sub(world_position(w, j), world_position(w, i))) >= fx_square(c->rest))
+      continue;
+    add_spring(w, &law, i, j, sums, e);
+  }
+}
+
+/* v.J times (2 passed - S) / 2 S, and of pull as much. */
+static wide_number in_proportion(const fray_world *w, wide_number v) {
+  const int64_t substeps = w->params->substeps;
+  return wide_over(wide_times(v, 2 * w->energy.passed - substeps, 1), (uint32_t)substeps);
+}
+
+static void measure_tick_springs(const fray_world *w, energy_stored *e) {
+  const uint32_t links = (uint32_t)w->params->links;
+  const uint32_t bends = (uint32_t)w->params->bends;
+  const wide_number nothing = {0, 0};
+  spring_sums bend = {nothing, nothing};
+  spring_sums shear = {nothing, nothing};
+  add_tick_springs(w, links, links + bends, &bend, e);
+  add_tick_springs(w, links + bends, w->capacity[POOL_SPRINGS], &shear, e);
+  e->bend = wide_over(bend.energy, (uint32_t)w->params->substeps);
+  e->shear = wide_over(shear.energy, (uint32_t)w->params->substeps);
+  e->form = in_proportion(w, wide_add(bend.power, shear.power));
+  for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
+    for (uint32_t n = 0; n < 3; ++n) e->pull[b][n] = in_proportion(w, e->pull[b][n]);
+}
+
+static void measure_yarns(const fray_world *w, energy_stored *e) {
+  enum { LEAST = 49152, MOST = 81920 }; /* 3/4 and 5/4: yarn_stretch.c's bounds of u */
+  const unsigned steps_bits = (unsigned)w->woven.elastic_params->steps_bits;
+  const wide_number nothing = {0, 0};
+  spring_sums sums = {nothing, nothing};
+  energy_stored held; /* of yarns alone */
+  for (uint32_t b = 0; b < MAX_BODIES; ++b)
+    for (uint32_t n = 0; n < 3; ++n) held.pull[b][n] = nothing;
+  for (uint32_t n = 0; n < (uint32_t)w->params->links; ++n) {
+    if (is_inactive(w, n)) continue;
+    const uint32_t class = w->woven.spring_kind[n] & SPRING_CLASS;
+    const link_class *c = &w->woven.link_classes[class];
+    const yarn_gain *k = &w->woven.yarn_gains[class];
+    const uint32_t i = w->woven.spring_i[n];
+    const uint32_t j = w->woven.spring_j[n];
+    const int longer =
+        vec_squared(vec_sub(world_position(w, j), world_position(w, i))) >= fx_square(c->rest);
+    const spring_law law = {(int64_t)(longer ? k->pull : k->push) * c->r2,
+                            (unsigned)(longer ? k->pull_scale : k->push_scale) + 28u, c->rest,
+                            LEAST, MOST};
+    add_spring(w, &law, i, j, &sums, &held);
+  }
+  e->yarns = wide_shift_up(sums.energy, steps_bits);
+  e->form = wide_add(e->form, wide_shift_down(sums.power, 1));
+  for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
+    for (uint32_t n = 0; n < 3; ++n)
+      e->pull[b][n] = wide_add(e->pull[b][n], wide_shift_down(held.pull[b][n], 1));
+}
+
+void energy_measure_woven(const fray_world *w, energy_stored *e) {
+  FRAY_ASSERT(!world_has_membrane(w) && w->energy.passed >= 0 &&
+              w->energy.passed <= w->params->substeps);
+  const wide_number nothing = {0, 0};
+  e->stretch = e->yarns = nothing;
+  for (uint32_t b = 0; b < MAX_BODIES; ++b)
+    for (uint32_t n = 0; n < 3; ++n) e->pull[b][n] = nothing;
+  measure_tick_springs(w, e);
+  if (world_has_elastic_yarns(w)) measure_yarns(w, e);
+}
+
+#endif

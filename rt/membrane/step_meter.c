@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A force that acts in an elastic step has done the work of its impulse times the mean of the
+ * velocities before and behind the step. Both are found again from what the step left: the drag of
+ * a speed is less than one for one, so the speed before it is the fixed point of a few rounds. A
+ * kernel's steps are the same. */
+#include "rt/membrane/step_meter.h"
+
+#include "rt/membrane/membrane.h"
+
+#if FRAY_ENERGY
+
+/* Speeds of a step along an axis. */
+typedef struct {
+  int64_t taken; /* by drag */
+  int64_t twice_mean;
+} metered_axis;
+
+static metered_axis meter_axis(const step_view *k, uint32_t p, uint32_t n, int32_t impulse) {
+  const int64_t speed = (int64_t)k->v[n][p] - k->gravity[n];
+  const int64_t size = speed < 0 ? -speed : speed;
+  const int64_t change = fx_round64(fx_mul_wide(impulse, k->inverse[p]),
+                                    ELASTIC_IMPULSE_BITS + ELASTIC_INVERSE_BITS - FX_VELOCITY_BITS);
+  int64_t lost = 0;
+  for (uint32_t round = 0; round < 3; ++round) lost = ((size + lost) * k->drag + k->dither) >> 30;
+  const int64_t taken = speed < 0 ? -lost : lost;
+  const metered_axis a = {taken, speed + taken - change + k->v[n][p]};
+  return a;
+}
+
+static wide_number times_mean(int64_t by, const metered_axis *a, unsigned bits) {
+  return wide_product(by, a->twice_mean, bits + FX_VELOCITY_BITS + 1u);
+}
+
+static void add_row(fray_world *w, wide_number *row, wide_number work) {
+  *row = wide_add(*row, work);
+  w->energy.booked = wide_add(w->energy.booked, work);
+}
+
+static void meter_vertex(fray_world *w, const step_view *k, uint32_t p) {
+  enum { MASS_BITS = 20 };
+  const elastic_impulse *sum = &k->sum[p];
+  const elastic_impulse *load = &w->membrane.external_impulse[p];
+  const int64_t mass =
+      ((int64_t)w->trimesh.mass[p] << MASS_BITS) / w->membrane.constants->mass_unit;
+  const int32_t impulse[3] = {sum->x, sum->y, sum->z};
+  const int32_t external[3] = {load->x, load->y, load->z};
+  for (uint32_t n = 0; n < 3; ++n) {
+    const metered_axis a = meter_axis(k, p, n, impulse[n]);
+    if (k->drag != 0)
+      add_row(w, &w->energy.stage[FRAY_ENERGY_DRAG],
+              times_mean(-mass * a.taken, &a, FX_VELOCITY_BITS + MASS_BITS));
+    if (external[n] != 0)
+      add_row(w, &w->energy.supplied[FRAY_SUPPLIED_LOADS],
+              times_mean(external[n], &a, ELASTIC_IMPULSE_BITS));
+  }
+}
+
+/* The load on a vertex that a body holds works on the body, which takes it from the cloth's books.
+ */
+static void meter_attached(fray_world *w, uint32_t p) {
+  const elastic_impulse *load = &w->membrane.external_impulse[p];
+  const int32_t external[3] = {load->x, load->y, load->z};
+  const int32_t *v = w->rigid.states[w->p.attach_body[p]].velocity;
+  for (uint32_t n = 0; n < 3; ++n)
+    if (external[n] != 0)
+      add_row(w, &w->energy.supplied[FRAY_SUPPLIED_LOADS],
+              wide_of(fx_mul_wide(external[n], v[n]), ELASTIC_IMPULSE_BITS + FX_VELOCITY_BITS));
+}
+
+void step_meter_add(fray_world *w, const step_view *view) {
+  FRAY_ASSERT(world_has_membrane(w));
+  for (uint32_t p = 0; p < particles_attached(w); ++p) meter_attached(w, p);
+  for (uint32_t p = particles_attached(w); p < w->p.count; ++p) meter_vertex(w, view, p);
+}
+
+#endif

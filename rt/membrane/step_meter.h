@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What drag took and loads gave in an elastic step, for the energy ledger. */
+#ifndef FRAY_MEMBRANE_STEP_METER_H
+#define FRAY_MEMBRANE_STEP_METER_H
+
+#include "rt/simd/membrane_view.h"
+#include "rt/state/world.h"
+
+#if FRAY_ENERGY
+void step_meter_add(fray_world *w, const step_view *view);
+#endif
+
+/* Right after a step. */
+static inline void step_meter(fray_world *w, const step_view *view) {
+#if FRAY_ENERGY
+  if (__builtin_expect(w->energy.watched && w->energy.begun, 0)) step_meter_add(w, view);
+#else
+  (void)w;
+  (void)view;
+#endif
+}
+
+#endif
