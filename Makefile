@@ -15,7 +15,7 @@ RT_C := $(wildcard rt/*/*.c)
 TOOL_C := $(wildcard tools/*.c tools/*/*.c platform/*.c platform/files/*.c platform/log/*.c platform/linux/*.c)
 UNIT_C := $(wildcard tests/unit/*.c tests/physics/*.c tests/sim/test_*.c)
 HELPER_C := tests/determinism/emit_cases.c tests/target/tape.c tests/cli/alter.c tests/bus/bare_timer.c \
-            tests/bus/flood_facts.c tests/wcet/print_loop_limits.c tests/wcet/longest_path.c
+            tests/bus/flood_facts.c tests/wcet/print_loop_limits.c tests/wcet/longest_path.c tests/wild/wild.c
 
 RT_O := $(RT_C:%.c=$(BUILD)/%.o)
 TOOL_O := $(TOOL_C:%.c=$(BUILD)/%.o)
@@ -29,6 +29,7 @@ HELPERS := $(HELPER_C:%.c=$(BUILD)/%)
 SYS_TESTS := $(filter $(BUILD)/tests/sim/test_sys_%,$(TESTS))
 SIM_TESTS := $(filter-out $(SYS_TESTS),$(filter $(BUILD)/tests/sim/%,$(TESTS)))
 SIM_O := $(BUILD)/tests/sim/sim_board.o
+WILD_O := $(patsubst %.c,$(BUILD)/%.o,$(filter-out tests/wild/wild.c,$(wildcard tests/wild/*.c)))
 FAULT_O := $(patsubst %,$(BUILD)/faults/platform/linux/%.o,board bus_log can_socket timer)
 # rt built in another way, in the folder and as the golden table builds it (tests/determinism/configs.sh) if this is
 # no build with options of its own
@@ -123,6 +124,7 @@ $(BUILD)/tests/unit/test_dictionary: $(BUILD)/tests/lib/dictionary_text.o
 
 # Boards of their own: the bus in memory for the loop, and a kernel in memory for the board on Linux.
 $(SIM_TESTS): $(SIM_O)
+$(BUILD)/tests/wild/wild: $(WILD_O)
 $(SYS_TESTS): $(BUILD)/tests/sim/sys_faults.o $(FAULT_O)
 
 $(BUILD)/faults/%.o: %.c
@@ -143,7 +145,7 @@ $(IMAGE_16) $(WIDE_16) &: force
 	@$(MAKE) --no-print-directory -s BUILD=$(ID16) OPT=$(VARIANT_OPT) EXTRA="$(EXTRA) -DFRAY_ID_BITS=16" EXACT="$(EXACT)" $(IMAGE_16) $(WIDE_16)
 
 -include $(RT_O:.o=.d) $(TOOL_O:.o=.d) $(TESTS:=.d) $(HELPERS:=.d) $(FAULT_O:.o=.d) \
-         $(SIM_O:.o=.d) $(BUILD)/tests/sim/sys_faults.d $(BUILD)/tests/lib/dictionary_text.d
+         $(SIM_O:.o=.d) $(WILD_O:.o=.d) $(BUILD)/tests/sim/sys_faults.d $(BUILD)/tests/lib/dictionary_text.d
 
 run: command ## tear a sheet with two hands from a log of the bus; results in out/
 	@mkdir -p out
@@ -218,6 +220,10 @@ figures: command ## pictures of the scenes in tests/figures/list.txt; FIGURES="f
 GOALS ?= test can-test target-test bus-test bus-test-qemu
 busy: ## GOALS beside 20 processes that never rest, TIMES in a row: nothing may depend on how busy the machine is
 	@MAKEFLAGS= MAKE_COMMAND="$(MAKE)" BUILD=$(BUILD) TIMES=$(or $(TIMES),1) sh tests/busy.sh BUILD=$(BUILD) $(GOALS)
+
+.PHONY: wild
+wild: $(BUILD)/tests/wild/wild ## COUNT (100) random scenes of SEED (1), judged by ledger, depth, speed and hashes; SECONDS=2
+	@$< $(or $(SEED),1) $(or $(COUNT),100) $(or $(SECONDS),2)
 
 .PHONY: weaves pools patches thesis
 THESIS := $(addprefix $(BUILD)/tests/physics/,test_ceiling test_garments test_contact_triangles test_triangle_collision)

@@ -4,7 +4,7 @@
 # share builds one after the other, and these begin first. A line a suite as it ends; the output of a failing one;
 # last one line `N passed, N failed`.
 set -eu
-SUITES=${SUITES:-tidy cli workers hashes images symbols stack size budget_rules cmac_constant dbc_readers other_logs install docs adding parts}
+SUITES=${SUITES:-tidy cli workers hashes images symbols stack size budget_rules cmac_constant dbc_readers other_logs install docs adding parts wild}
 FRAY_BUILD=${BUILD:-build}
 FRAY=${FRAY:-$FRAY_BUILD/fray}
 RESULTS=$FRAY_BUILD/tests/results

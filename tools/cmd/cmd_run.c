@@ -14,6 +14,7 @@
 #include "tools/analysis/fraying.h"
 #include "tools/terminal/options.h"
 #include "tools/analysis/components.h"
+#include "tools/analysis/energy_table.h"
 #include "tools/analysis/scaled_stiffness.h"
 #include "tools/analysis/fault_text.h"
 #include "tools/terminal/progress.h"
@@ -27,7 +28,7 @@
 enum { DEFAULT_TICKS = 1000, PICTURES = 8, PATH_ROOM = 1024, PRIORITY = 80, COMPONENTS = 8 };
 
 typedef struct {
-  const char *file, *log, *record, *report, *save, *can;
+  const char *file, *log, *record, *report, *save, *energy, *can;
   uint32_t ticks, instance, priority, cpu, workers;
   int realtime;
   const char *kernel;
@@ -42,6 +43,7 @@ typedef struct {
   int signal;          /* that ended the run, 0: none */
   output_file out;     /* the recording; without a stream: none */
   record recording;
+  output_file energy;  /* without a stream: none */
   run_trace trace;
   work_tally tally;
   album pictures;
@@ -61,6 +63,9 @@ static void print_usage(FILE *out) {
           "  --record FILE    writes the bus as a candump log that `fray verify` accepts\n"
           "  --report DIR     pictures, plots of forces and work, summary.txt\n"
           "  --save FILE      writes the last state as an image\n"
+          "  --energy FILE    watches the energy: a CSV, in joules, with a line a tick of what is stored,\n"
+          "                   supplied, made and lost (rt/energy/README.md), and at the end a short\n"
+          "                   account and the fastest particle; ticks take several times as long\n"
           "  --kernel NAME    scalar, avx2, avx512, neon: the same hashes, other speeds (default:\n"
           "                   the fastest that this machine has)\n"
           "  --instance N     which runtime on the bus, 0 to 7 (default 0)\n"
@@ -105,7 +110,17 @@ static int begin(run_job *j) {
                  fray_hash(j->s.world_file.world));
     j->recording.sender.contacts_max = fray_work_bound(j->s.world_file.world).contacts;
   }
+  if (j->o->energy != NULL) {
+    if (!output_file_open(&j->energy, j->o->energy)) return fail(j->o->energy);
+    fray_energy_watch(j->s.world_file.world);
+    energy_table_head(j->energy.stream);
+  }
   return 1;
+}
+
+static void write_energy(run_job *j) {
+  const fray_energy_account account = fray_energy(j->s.world_file.world);
+  energy_table_line(j->energy.stream, &j->s.facts, j->last.tick, &account);
 }
 
 /* Pictures at even intervals, and one at the first tear. */
@@ -134,6 +149,7 @@ static int step(run_job *j, uint64_t n) {
   work_tally_add(&j->tally, &j->last);
   const int tore_first = j->first_tear == UINT64_MAX && j->last.work.tears != 0;
   if (tore_first) j->first_tear = j->last.tick;
+  if (j->energy.stream != NULL) write_energy(j);
   if (j->o->report != NULL) run_trace_add(&j->trace, &j->last, j->s.world_file.world);
   if (j->out.stream != NULL && !record_tick(&j->recording, input, &j->last)) return fail(j->o->record);
   return take_picture(j, n + 1, tore_first);
@@ -158,6 +174,7 @@ static int run(run_job *j) {
     progress_show(what, n + 1, j->ticks);
   }
   progress_end();
+  if (j->energy.stream != NULL && !output_file_keep(&j->energy)) return fail(j->o->energy);
   if (j->signal != 0 && !take_last_picture(j)) return 0;
   return end_recording(j);
 }
@@ -267,6 +284,10 @@ static void print_summary(run_job *j, FILE *out, const component *components, ui
   print_components(j, out, components, count);
   print_yarns(j, out);
   fault_text_print(out, j->faults);
+  if (j->o->energy != NULL) {
+    const fray_energy_account account = fray_energy(j->s.world_file.world);
+    energy_table_print(out, f, &account);
+  }
   if (f->triangles_max != 0)
     fprintf(out, "work bound   %u element forces, %u bend forces, %u particle steps, %u contact tests a tick\n",
             max.element_forces, max.bend_forces, max.particle_steps, max.contacts);
@@ -341,7 +362,7 @@ static int run_all(run_job *j) {
     return 2;
   }
   int result;
-  j->out.aside = -1;
+  j->out.aside = j->energy.aside = -1;
   if (j->o->can != NULL)
     result = run_live(j);
   else
@@ -353,6 +374,7 @@ static int run_all(run_job *j) {
   work_tally_close(&j->tally);
   album_close(&j->pictures);
   output_file_drop(&j->out);
+  output_file_drop(&j->energy);
   session_close(&j->s);
   return result;
 }
@@ -370,6 +392,7 @@ int cmd_run(int argc, char **argv) {
       {"--record", &o.record, NULL, NULL, OPTION_OUTPUT, 0},
       {"--report", &o.report, NULL, NULL, 0, 0},
       {"--save", &o.save, NULL, NULL, OPTION_OUTPUT, 0},
+      {"--energy", &o.energy, NULL, NULL, OPTION_OUTPUT, 0},
       {"--instance", NULL, &o.instance, NULL, 0, 7},
       {"--can", &o.can, NULL, NULL, 0, 0},       {"--realtime", NULL, NULL, &o.realtime, 0, 0},
       {"--priority", NULL, &o.priority, NULL, 1, 99},
@@ -388,8 +411,8 @@ int cmd_run(int argc, char **argv) {
   } else if (wish == OPTIONS_GOOD && o.can == NULL &&
              (o.realtime || o.priority != PRIORITY || o.cpu != LIVE_ANY_CPU)) {
     fprintf(stderr, "fray run: --realtime, --priority and --cpu go with --can\n");
-  } else if (wish == OPTIONS_GOOD && o.can != NULL && (o.log != NULL || o.report != NULL)) {
-    fprintf(stderr, "fray run: --can excludes --log and --report; render its recording instead\n");
+  } else if (wish == OPTIONS_GOOD && o.can != NULL && (o.log != NULL || o.report != NULL || o.energy != NULL)) {
+    fprintf(stderr, "fray run: --can excludes --log, --report and --energy; render or run its recording instead\n");
   } else if (wish == OPTIONS_GOOD && o.key.file != NULL && o.can == NULL && o.log == NULL) {
     fprintf(stderr, "fray run: --key goes with --can or --log\n");
   } else if (wish == OPTIONS_GOOD && j != NULL && bus_key_check("run", &o.key, o.can != NULL)) {

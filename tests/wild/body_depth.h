@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* How deep particles are in spheres, boxes, capsules and planes that they were outside of before:
+ * in double precision, at the ends of ticks. Rigid meshes are tests/physics' to judge, in exact
+ * arithmetic. */
+#ifndef FRAY_TESTS_WILD_BODY_DEPTH_H
+#define FRAY_TESTS_WILD_BODY_DEPTH_H
+
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include "rt/fray.h"
+
+typedef struct {
+  uint32_t bodies, particles;
+  uint8_t *outside; /* body, then particle: it was */
+} body_depth;
+
+static inline body_depth *body_depth_open(const fray_world *w) {
+  const fray_info f = fray_get_info(w);
+  body_depth *d = malloc(sizeof *d);
+  if (d == NULL) abort();
+  d->bodies = f.bodies;
+  d->particles = f.particles_max;
+  d->outside = calloc((size_t)f.bodies * f.particles_max + 1u, 1);
+  if (d->outside == NULL) abort();
+  return d;
+}
+static inline void body_depth_close(body_depth *d) {
+  if (d == NULL) return;
+  free(d->outside);
+  free(d);
+}
+
+/* Below the surface, Q24 lu; below 0 outside. */
+static inline double body_depth_at(const fray_body *b, const double at[3]) {
+  double own[3];
+  double away[3];
+  for (int n = 0; n < 3; ++n) {
+    own[n] = 0;
+    for (int k = 0; k < 3; ++k) own[n] += b->axes[3 * n + k] * 0x1p-30 * (at[k] - b->position[k]);
+    away[n] = fabs(own[n]) - b->half[n];
+  }
+  if (b->shape == FRAY_PLANE) return -own[1];
+  if (b->shape == FRAY_BOX) return -fmax(away[0], fmax(away[1], away[2]));
+  const double along = b->shape == FRAY_CAPSULE ? fmax(away[0], 0) : own[0];
+  return b->radius - sqrt(along * along + own[1] * own[1] + own[2] * own[2]);
+}
+
+/* The deepest of those that were outside of the body once, or 0. */
+static inline double body_depth_update(body_depth *d, const fray_world *w) {
+  const fray_particles v = fray_view_particles(w);
+  double deepest = 0;
+  for (uint32_t n = 0; n < d->bodies; ++n) {
+    const fray_body b = fray_view_body(w, n);
+    if (b.shape == FRAY_ANCHOR || b.shape == FRAY_MESH) continue;
+    uint8_t *outside = d->outside + (size_t)n * d->particles;
+    for (uint32_t p = v.attached; p < v.count; ++p) {
+      const double at[3] = {v.x[p], v.y[p], v.z[p]};
+      const double depth = body_depth_at(&b, at);
+      if (depth <= 0) outside[p] = 1;
+      if (outside[p] && depth > deepest) deepest = depth;
+    }
+  }
+  return deepest;
+}
+
+#endif

@@ -1,0 +1,308 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "tests/wild/judge.h"
+
+#include <math.h>
+
+#include "rt/state/crossing.h"
+#include "tests/lib/world_fixture.h"
+#include "tests/wild/body_depth.h"
+#include "tests/wild/random_scene.h"
+#include "tools/analysis/energy_table.h"
+#include "tools/recording/record.h"
+#include "tools/world/kernel.h"
+
+enum { REOPENED_EVERY = 97, WORKERS = 3 };
+
+static const char *const names[JUDGE_MADE] = {
+    "another hash by kernel", "another hash by workers or saved",
+    "saved and refused",      "the ledger is open",
+    "clamp without a fault",  "speed",
+    "through a body"};
+#define STAGE_NAME(row, text) text,
+static const char *const stages[] = {FRAY_ENERGY_STAGE_ROWS(STAGE_NAME)};
+
+const char *judge_name(uint32_t kind) {
+  static char text[64];
+  if (kind < JUDGE_MADE) return names[kind];
+  snprintf(text, sizeof text, "made by %s", stages[kind - JUDGE_MADE]);
+  return text;
+}
+
+/* The three: watched, with the fastest kernel; scalar; and divided, saved and opened. */
+typedef struct {
+  fixture watched, scalar, divided;
+  fray_parallel *parallel;
+  void *parallel_memory;
+  body_depth *depth;
+  double turned, begun;       /* energy turned over, and what of it was there, J */
+  double rounding;            /* what rounding may have made, J */
+  double fastest_body, reach; /* m/s; how far a particle came, m */
+  double cloth_speed;         /* of waves at the strain of a tear, m/s */
+  double mass;                /* of the free cloth, kg */
+} judged;
+
+static void find(judge_result *r, uint32_t kind, uint32_t tick, double size, double allowed) {
+  if ((r->found >> kind & 1u) == 0) r->tick[kind] = tick;
+  r->found |= 1u << kind;
+  if (size <= r->size[kind]) return;
+  r->size[kind] = size;
+  r->allowed[kind] = allowed;
+}
+
+static double particle_mass(const judged *j, uint32_t p) {
+  const fray_world *w = j->watched.w;
+  const double unit = j->watched.facts.particle_mass_ng * 1e-12;
+  if (world_has_membrane(w)) return unit * w->trimesh.mass[p] / w->membrane.constants->mass_unit;
+  return unit * particle_half_masses(w, p) / 2;
+}
+
+/* Of the cloth behind a wave of the strain at which it tears, or of a quarter (README.md, "Speed"):
+ * strain times sqrt(stiffness / density), along an elastic yarn sqrt(EA / line density); in
+ * projected yarns what a link gives back in a substep. */
+static double wave_speed(const judged *j) {
+  const fray_world *w = j->watched.w;
+  const fray_info *f = &j->watched.facts;
+  const double lu = f->lu_um * 1e-6;
+  const double strain = f->tearing != 0 && f->tear_max_q16 > 0 ? f->tear_max_q16 * 0x1p-16 : 0.25;
+  if (!world_has_membrane(w)) {
+    const double rest =
+        fmax(w->woven.link_classes[CLASS_WEFT].rest, w->woven.link_classes[CLASS_WARP].rest);
+    const double spacing = rest * 0x1p-24 * lu;
+    if (f->yarn_stiffness_un == 0) return strain * spacing * f->rate_hz * f->substeps;
+    return strain * sqrt(f->yarn_stiffness_un * 1e-6 * spacing / (f->particle_mass_ng * 1e-12));
+  }
+  const double area = w->membrane.constants->mass_unit * 0x1p-30 * lu * lu / 3;
+  const double density = f->particle_mass_ng * 1e-12 / area;
+  double most = 0; /* N/m */
+  for (uint32_t m = 0; m < (uint32_t)w->trimesh.params->materials; ++m)
+    for (uint32_t n = 0; n < MATERIAL_ROWS; ++n)
+      for (uint32_t k = 0; k < 3; k += 2)
+        most = fmax(most, w->membrane.materials[m].stretch[n][k] / 4096.0);
+  return 0.25 * sqrt(most / density);
+}
+
+static int open_all(judged *j, const char *text, judge_result *r) {
+  scene_error error;
+  if (!fixture_compile(&j->watched, "out/wild/wild.scene", text, &error)) {
+    snprintf(r->refused, sizeof r->refused, "%.250s", error.message);
+    return 0;
+  }
+  fixture_open_image(&j->watched);
+  fixture_copy(&j->scalar, &j->watched);
+  fixture_copy(&j->divided, &j->watched);
+  kernel_use(j->watched.w, NULL);
+  kernel_use(j->divided.w, NULL);
+  fray_energy_watch(j->watched.w);
+  j->depth = body_depth_open(j->watched.w);
+  j->cloth_speed = wave_speed(j);
+  for (uint32_t p = particles_attached(j->watched.w); p < j->watched.w->p.count; ++p)
+    j->mass += particle_mass(j, p);
+  return 1;
+}
+
+static void open_parallel(judged *j) {
+  free(j->parallel_memory);
+  const size_t bytes = (fray_parallel_memory_size(j->divided.w, WORKERS) + 63) / 64 * 64;
+  j->parallel_memory = aligned_alloc(64, bytes);
+  j->parallel = fray_parallel_open(j->divided.w, WORKERS, j->parallel_memory, bytes);
+}
+
+static void close_all(judged *j) {
+  body_depth_close(j->depth);
+  free(j->parallel_memory);
+  fixture_close(&j->watched);
+  fixture_close(&j->scalar);
+  fixture_close(&j->divided);
+}
+
+static int is_due(const judged *j, const uint32_t *done, uint32_t worker) {
+  const fray_dependency d = fray_parallel_dependency(j->parallel, worker, done[worker]);
+  if (d.worker != FRAY_ALL_WORKERS) return done[d.worker] >= d.steps;
+  for (uint32_t n = 0; n < WORKERS; ++n)
+    if (n != worker && done[n] < d.steps) return 0;
+  return 1;
+}
+
+/* Workers in turns: the last of those that may go on first, so that steps are taken in another
+ * order than by one worker. */
+static fray_output divided_tick(judged *j, const fray_input *input) {
+  fray_output out;
+  uint32_t done[WORKERS] = {0};
+  const uint32_t steps = fray_parallel_steps(j->parallel);
+  memset(&out, 0, sizeof out);
+  for (uint32_t left = steps * WORKERS; left > 0; --left) {
+    uint32_t worker = WORKERS;
+    for (uint32_t n = 0; n < WORKERS; ++n)
+      if (done[n] < steps && is_due(j, done, n)) worker = n;
+    if (worker == WORKERS) fixture_give_up("workers", "none may go on");
+    fray_parallel_step(j->parallel, worker, done[worker], input, &out);
+    ++done[worker];
+  }
+  return out;
+}
+
+/* Saves a world and goes on from there; returns 0 where that is refused. */
+static int reopen(fixture *f) {
+  fixture next;
+  fray_error error;
+  memset(&next, 0, sizeof next);
+  next.image_bytes = fray_save_bytes(f->w);
+  next.image = malloc(next.image_bytes);
+  if (next.image == NULL || fray_save(f->w, next.image, next.image_bytes) != next.image_bytes)
+    fixture_give_up("fray_save", "did not save");
+  if (fray_memory_size(next.image, next.image_bytes, &next.memory_bytes, &error) == FRAY_OK) {
+    next.memory_bytes = (next.memory_bytes + 63) / 64 * 64;
+    next.memory = aligned_alloc(64, next.memory_bytes);
+    if (fray_open(next.image, next.image_bytes, next.memory, next.memory_bytes, &next.w, &error) ==
+        FRAY_OK) {
+      next.facts = fray_get_info(next.w);
+      fixture_close(f);
+      *f = next;
+      kernel_use(f->w, NULL);
+      return 1;
+    }
+  }
+  fixture_close(&next);
+  return 0;
+}
+
+static fray_input input_of(const judged *j, const judge_run *run, uint32_t tick) {
+  fray_input input = fixture_idle;
+  const double seconds = (double)tick / j->watched.facts.rate_hz;
+  input.has_pose = (uint8_t)j->watched.facts.hands;
+  if (input.has_pose != 0 && tick == 0) input.command = FRAY_COMMAND_START;
+  for (uint32_t h = 0; h < FRAY_HANDS; ++h) {
+    int16_t at[3];
+    random_scene_pose(run->seed, run->number, h, fmax(0, seconds - 0.2), at);
+    input.pose[h].x = at[0];
+    input.pose[h].y = at[1];
+    input.pose[h].z = at[2];
+    input.pose[h].counter = (uint8_t)((tick + 1u) & 15u);
+  }
+  return input;
+}
+
+/* ---- judges of motion ---- */
+
+static void judge_energy(judged *j, uint32_t tick, judge_result *r) {
+  const fray_info *f = &j->watched.facts;
+  const fray_energy_account a = fray_energy(j->watched.w);
+  const double unit = energy_table_unit(f);
+  double open = -(double)a.begun;
+  double elastic = 0;
+  double supplied = 0;
+  for (uint32_t n = 0; n < FRAY_ENERGY_STORES; ++n) open += (double)a.stored[n];
+  for (uint32_t n = FRAY_STORED_STRETCH; n <= FRAY_STORED_YARNS; ++n)
+    elastic += (double)a.stored[n];
+  for (uint32_t n = 0; n < FRAY_ENERGY_SUPPLIES; ++n) {
+    open -= (double)a.supplied[n];
+    supplied += fabs((double)a.supplied[n]);
+  }
+  for (uint32_t n = 0; n < FRAY_ENERGY_STAGES; ++n) open -= (double)a.made[n] - (double)a.lost[n];
+  if (fabs(open) > FRAY_ENERGY_ROUNDING)
+    find(r, JUDGE_CLOSES, tick, fabs(open) * unit, FRAY_ENERGY_ROUNDING * unit);
+  if (tick == 0) j->begun = (elastic + fabs((double)a.stored[FRAY_STORED_BODIES])) * unit;
+  const double moving = (double)a.stored[FRAY_STORED_KINETIC] * unit;
+  j->turned = fmax(j->turned, j->begun + (supplied + fabs((double)a.gravity)) * unit);
+  const double speed_step = 0x1p-24 * f->lu_um * 1e-6 * f->rate_hz * f->substeps;
+  j->rounding += f->substeps * (sqrt(2 * fmax(moving, 0) * j->mass) * speed_step +
+                                j->mass * speed_step * speed_step);
+  for (uint32_t n = 0; n < FRAY_ENERGY_STAGES; ++n) {
+    const double net = ((double)a.made[n] - (double)a.lost[n]) * unit;
+    const double allowed = 0.01 * j->turned + j->rounding;
+    if (net > allowed) find(r, JUDGE_MADE + n, tick, net, allowed);
+  }
+}
+
+static double length_of(const int32_t v[3]) {
+  return sqrt((double)v[0] * v[0] + (double)v[1] * v[1] + (double)v[2] * v[2]);
+}
+
+static double allowed_speed(judged *j, uint32_t tick) {
+  const fray_info *f = &j->watched.facts;
+  const fray_world *w = j->watched.w;
+  const double speed = energy_table_speed(f);
+  for (uint32_t b = 0; b < f->bodies; ++b) {
+    const fray_body v = fray_view_body(w, b);
+    j->fastest_body = fmax(j->fastest_body, length_of(v.velocity) * speed);
+  }
+  const double g = length_of(f->gravity) * speed * f->rate_hz * f->substeps;
+  const double fall = fmin(g * (tick + 1.0) / f->rate_hz, sqrt(2 * g * 2 * j->reach));
+  const double wind = world_has_membrane(w) ? length_of(w->membrane.constants->wind) * speed : 0;
+  return 2 * (j->fastest_body + wind + fall + j->cloth_speed);
+}
+
+static void judge_speed(judged *j, uint32_t tick, uint32_t faults, judge_result *r) {
+  const fray_particles v = fray_view_particles(j->watched.w);
+  const double speed = energy_table_speed(&j->watched.facts);
+  const double lu = j->watched.facts.lu_um * 1e-6 * 0x1p-24;
+  double fastest = 0;
+  int clamped = 0;
+  for (uint32_t p = v.attached; p < v.count; ++p) {
+    const int32_t velocity[3] = {v.vx[p], v.vy[p], v.vz[p]};
+    const int32_t at[3] = {v.x[p], v.y[p], v.z[p]};
+    fastest = fmax(fastest, length_of(velocity));
+    j->reach = fmax(j->reach, length_of(at) * lu);
+    for (uint32_t n = 0; n < 3; ++n)
+      clamped |= velocity[n] >= FX_SPEED_MAX || velocity[n] <= -FX_SPEED_MAX;
+  }
+  const double allowed = allowed_speed(j, tick);
+  if (fastest * speed > allowed) find(r, JUDGE_SPEED, tick, fastest * speed, allowed);
+  if (clamped && (faults & FRAY_FAULT_OUT_OF_WORLD) == 0)
+    find(r, JUDGE_CLAMP, tick, fastest * speed, 0);
+}
+
+static void judge_depth(judged *j, uint32_t tick, uint32_t faults, judge_result *r) {
+  const uint32_t excused = FRAY_FAULT_CONTACTS_FULL | FRAY_FAULT_CONTACT_UNRESOLVED |
+                           FRAY_FAULT_OUT_OF_WORLD | FRAY_FAULT_SELF_COLLISION_BUDGET |
+                           FRAY_FAULT_MESH_QUERY_BUDGET;
+  const double deepest = body_depth_update(j->depth, j->watched.w);
+  const double allowed = 2.0 * j->watched.facts.thickness;
+  const double cm = j->watched.facts.lu_um * 1e-4 * 0x1p-24;
+  if (deepest > allowed && (faults & excused) == 0)
+    find(r, JUDGE_THROUGH, tick, deepest * cm, allowed * cm);
+}
+
+static void judge_hashes(const fray_output *a, const fray_output *b, const fray_output *c,
+                         uint32_t tick, judge_result *r) {
+  if (a->hash != b->hash || a->faults != b->faults || a->tears_total != b->tears_total)
+    find(r, JUDGE_KERNEL, tick, 1, 0);
+  if (a->hash != c->hash || a->faults != c->faults || a->tears_total != c->tears_total)
+    find(r, JUDGE_WORKERS, tick, 1, 0);
+}
+
+void judge_scene(const char *text, const judge_run *run, judge_result *r) {
+  judged j;
+  record log;
+  memset(&j, 0, sizeof j);
+  memset(r, 0, sizeof *r);
+  if (!open_all(&j, text, r)) return;
+  open_parallel(&j);
+  const fray_info *f = &j.watched.facts;
+  if (run->record != NULL)
+    record_begin(&log, run->record, 0, f->hands, f->rate_hz, f->tick, fray_hash(j.watched.w));
+  r->ticks = (uint64_t)ceil(run->seconds * f->rate_hz);
+  for (uint32_t tick = 0; tick < r->ticks; ++tick) {
+    const fray_input input = input_of(&j, run, tick);
+    const fray_output a = fixture_tick(&j.watched, &input);
+    const fray_output b = fixture_tick(&j.scalar, &input);
+    if (!fray_parallel_holds(j.parallel)) open_parallel(&j);
+    const fray_output c = divided_tick(&j, &input);
+    if (run->record != NULL) (void)record_tick(&log, &input, &a);
+    r->faults |= a.faults;
+    judge_hashes(&a, &b, &c, tick, r);
+    judge_energy(&j, tick, r);
+    judge_speed(&j, tick, a.faults, r);
+    judge_depth(&j, tick, a.faults, r);
+    if (tick % REOPENED_EVERY == REOPENED_EVERY - 1u) {
+      if (!reopen(&j.divided)) {
+        find(r, JUDGE_OPENS, tick, 1, 0);
+        break;
+      }
+      open_parallel(&j);
+    }
+    if ((r->found & run->wanted) != 0) break;
+  }
+  if (run->record != NULL) (void)record_end(&log);
+  close_all(&j);
+}
