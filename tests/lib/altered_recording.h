@@ -9,6 +9,7 @@
 #include "rt/wire/auth_gate.h"
 #include "rt/wire/dictionary.h"
 #include "rt/wire/e2e.h"
+#include "tests/lib/set_tick.h"
 #include "tests/lib/world_fixture.h"
 #include "tools/recording/record.h"
 #include "tools/recording/unseal.h"
@@ -16,9 +17,20 @@
 enum { TICKS = 700, RIGHT = 1 };
 enum { SILENT = 640, TAKEN_LATER = 300, SYNC_TWICE = 400, COMMAND_TWICE = 690 };
 
-/* `good` as recorded, `changed` with one change */
-static fixture world;
-static candump_log good, changed;
+/* And shorter ones: of a world without hands, and across 2^32 ticks. */
+enum { SMALL, NO_HANDS, ACROSS, SESSIONS };
+static const struct {
+  const char *scene;
+  uint64_t first;
+  uint32_t ticks;
+} OF[SESSIONS] = {{"tests/scenes/small.scene", 0, TICKS},
+                  {"tests/scenes/flag.scene", 0, 25},
+                  {"tests/scenes/small.scene", (UINT64_C(1) << 32) - 20, 40}};
+
+/* Of one session: `good` as recorded, `changed` with one change */
+static uint32_t session;
+static fixture worlds[SESSIONS];
+static candump_log logs[SESSIONS], good, changed;
 
 /* What a session takes in tick n; the world tears while the hand moves. */
 static void make_input(fray_input *in, uint32_t n, uint8_t *counter) {
@@ -44,10 +56,11 @@ static dictionary_message message_at(const candump_log *log, size_t at) {
   return at < log->count ? dictionary_find(log->entries[at].frame.id, 0) : MESSAGES;
 }
 
-/* The entry after the n-th SYNC; that of tick 0 is the first. */
+/* The entry of the SYNC of this tick; the first has tick 0. */
 static size_t sync_at(const candump_log *log, uint32_t tick) {
   for (size_t at = 0; at < log->count; ++at)
-    if (message_at(log, at) == MESSAGE_SYNC && bytes_load32(log->entries[at].frame.data) == tick) return at;
+    if (message_at(log, at) == MESSAGE_SYNC && bytes_load32(log->entries[at].frame.data) == (uint32_t)OF[session].first + tick)
+      return at;
   return log->count;
 }
 
@@ -87,6 +100,14 @@ static void add_besides(void) {
   insert(&good, sync_at(&good, COMMAND_TWICE), &f);
 }
 
+/* A world before the first tick of the session. */
+static fixture open_world(void) {
+  fixture f = worlds[session];
+  fixture_open_image(&f);
+  set_tick(f.w, OF[session].first);
+  return f;
+}
+
 static void record_session(void) {
   char *text = NULL;
   size_t bytes = 0;
@@ -97,19 +118,31 @@ static void record_session(void) {
   record r;
   candump_error error;
   if (out == NULL) fixture_give_up("open_memstream", "no memory");
-  record_begin(&r, out, 0, world.facts.hands, world.facts.rate_hz, 0, fray_hash(world.w));
-  r.sender.contacts_max = fray_work_bound(world.w).contacts;
-  for (uint32_t n = 0; n < TICKS; ++n) {
+  fixture_file(&worlds[session], OF[session].scene, NULL);
+  fixture f = open_world();
+  record_begin(&r, out, 0, f.facts.hands, f.facts.rate_hz, OF[session].first, fray_hash(f.w));
+  r.sender.contacts_max = fray_work_bound(f.w).contacts;
+  for (uint32_t n = 0; n < OF[session].ticks; ++n) {
     make_input(&in, n, &counter);
-    fray_tick(world.w, &in, &output);
+    if (f.facts.hands == 0) memset(&in, 0, sizeof in);
+    fray_tick(f.w, &in, &output);
     CHECK(record_tick(&r, &in, &output));
   }
-  CHECK(output.tears_total > 5 && output.state == FRAY_OPERATIONAL);
   CHECK(record_end(&r));
   fclose(out);
+  free(f.memory);
   CHECK(candump_parse_all("r.log", text, bytes, &good, &error));
   free(text);
-  add_besides();
+  if (session == SMALL) {
+    CHECK(output.tears_total > 5 && output.state == FRAY_OPERATIONAL);
+    add_besides();
+  }
+  logs[session] = good;
+}
+
+static void use_session(uint32_t n) {
+  session = n;
+  good = logs[n];
 }
 
 /* ---- changes: each returns 0 iff it does not fit the entry */
@@ -285,6 +318,189 @@ static int cut_behind(size_t at) {
 }
 static int cut_behind_sync(size_t at) {
   changed.count = at + 1;
+  return 1;
+}
+
+/* ---- frames that are added, moved, of another form */
+
+/* From entry `from` to before entry `to`. */
+static void move_entry(size_t from, size_t to) {
+  const frame f = *frame_at(from);
+  remove_at(from);
+  insert(&changed, to > from ? to - 1 : to, &f);
+}
+
+/* The n-th SYNC of another tick behind (before) this entry. */
+static size_t sync_behind(size_t at, int n) {
+  while (n-- > 0 && at < changed.count) {
+    const size_t sync = at = next_of(at, MESSAGE_SYNC);
+    const size_t again = next_of(sync, MESSAGE_SYNC);
+    if (again < changed.count && memcmp(frame_at(sync)->data, frame_at(again)->data, 8) == 0) at = again;
+  }
+  return at;
+}
+static size_t sync_before(size_t at, int n) {
+  for (; n > 0 && at > 0; --n) {
+    do --at;
+    while (at > 0 && message_at(&changed, at) != MESSAGE_SYNC);
+    if (at > 0 && message_at(&changed, at - 1) == MESSAGE_SYNC) --at;
+  }
+  return at;
+}
+
+static int moved_later(size_t at, int ticks) {
+  const size_t to = sync_behind(at, ticks);
+  if (to + 1 >= changed.count) return 0;
+  move_entry(at, to + 1);
+  return 1;
+}
+static int moved_earlier(size_t at, int ticks) {
+  const size_t to = sync_before(at, ticks + 1); /* the first one is of its own tick, or the one before */
+  if (message_at(&changed, to) != MESSAGE_SYNC || at < 10) return 0;
+  move_entry(at, to);
+  return 1;
+}
+/* This and all that follow of its message, in their order: to here, or to the end. */
+static int all_moved(size_t at, int to_the_end) {
+  const dictionary_message m = message_at(&changed, at);
+  size_t n = at;
+  for (int end = 0; end < 2; ++end)
+    for (size_t from = at; from < good.count; ++from)
+      if ((message_at(&good, from) == m) == (end == to_the_end)) changed.entries[n++] = good.entries[from];
+  return at >= 10;
+}
+static int all_behind_this(size_t at) { return all_moved(at, 0); }
+static int all_at_the_end(size_t at) { return all_moved(at, 1); }
+static int later_3(size_t at) {
+  return (message_at(&changed, at) != MESSAGE_POSE_RIGHT || is_taken(at)) && moved_later(at, 3);
+}
+static int later_12(size_t at) { return moved_later(at, 12); }
+static int earlier_5(size_t at) { return moved_earlier(at, 5); }
+static int to_the_end(size_t at) {
+  move_entry(at, changed.count);
+  return 1;
+}
+static int to_the_first(size_t at) {
+  move_entry(at, sync_at(&changed, 0) + 1);
+  return 1;
+}
+
+/* A POSE like that of this entry, before `to`. */
+static int add_pose(size_t at, size_t to, uint32_t hand, uint32_t ahead) {
+  frame f;
+  fray_pose pose;
+  if (!is_taken(at) || codec_decode_pose(frame_at(at), 0, RIGHT, &pose) != CODEC_OK) return 0;
+  pose.counter = (uint8_t)((pose.counter + ahead) & 15u);
+  pose.x = (int16_t)(pose.x + 100);
+  codec_encode_pose(&f, 0, hand, &pose);
+  insert(&changed, to, &f);
+  return 1;
+}
+static int pose_next(size_t at) {
+  return at > 100 && next_of(at, MESSAGE_POSE_RIGHT) < changed.count && add_pose(at, at + 1, RIGHT, 1);
+}
+static int other_counter_before(size_t at) { return at > 100 && add_pose(at, at, RIGHT, 1 + (uint32_t)at % 15); }
+static int other_counter_behind(size_t at) { return at > 100 && add_pose(at, at + 1, RIGHT, 2 + (uint32_t)at % 14); }
+static int pose_left(size_t at) { return add_pose(at, at, 0, 1); }
+
+/* Behind entry `at`. */
+static int wrong_crc_added(size_t at) {
+  repeated(at);
+  frame_at(at + 1)->data[0] ^= 1;
+  return 1;
+}
+
+static void add_command(size_t at, uint8_t counter, uint8_t what) {
+  frame f;
+  codec_encode_command(&f, 0, &(codec_command){counter & 15u, what, 0});
+  insert(&changed, at, &f);
+}
+static uint8_t counter_at(size_t at) { return frame_at(at)->data[1] & 15u; }
+static int last_again(size_t at) {
+  if (at < 10) return 0;
+  add_command(sync_behind(at, 1), counter_at(at), FRAY_COMMAND_ZERO);
+  return 1;
+}
+/* So many ticks behind this COMMAND, whose counter is one ahead of the last; `what` is never what it was. */
+static int last_but_one(size_t at, int ticks) {
+  const size_t to = sync_behind(at, ticks);
+  if (is_repeated(at) || at < 10 || to > next_of(at, MESSAGE_COMMAND) || to >= changed.count) return 0;
+  add_command(to, (uint8_t)(counter_at(at) + 15u), FRAY_COMMAND_ZERO);
+  return 1;
+}
+static int last_but_one_near(size_t at) { return last_but_one(at, 2); }
+static int last_but_one_far(size_t at) { return last_but_one(at, 4); }
+static int copied_before(size_t at, int ticks) {
+  const size_t to = sync_before(at, ticks);
+  if (is_repeated(at) || at < 100) return 0;
+  const frame f = *frame_at(at);
+  insert(&changed, to, &f);
+  return 1;
+}
+static int copied_near(size_t at) { return copied_before(at, 2); }
+static int copied_far(size_t at) { return copied_before(at, 4); }
+static int command_later(size_t at) { return !is_repeated(at) && later_3(at); }
+static int command_earlier(size_t at) { return !is_repeated(at) && earlier_5(at); }
+static int command_near(size_t at) { return !is_repeated(at) && at > 100 && moved_earlier(at, at % 2); }
+static int command_before_all(size_t at) {
+  (void)at;
+  add_command(0, 9, FRAY_COMMAND_START);
+  return 1;
+}
+static int command_behind_all(size_t at) {
+  (void)at;
+  add_command(sync_at(&changed, TICKS - 1) + 1, 9, FRAY_COMMAND_START);
+  return 1;
+}
+static int command_in_flood(size_t at) {
+  if (at < 100 || at % 7 != 0 || !is_taken(at)) return 0;
+  for (int n = 0; n < PORT_FRAMES_PER_TICK; ++n) repeated(at);
+  add_command(at + PORT_FRAMES_PER_TICK + 1, 9, FRAY_COMMAND_HALT);
+  return 1;
+}
+
+static int before_the_first(size_t at) {
+  const dictionary_message m = message_at(&changed, at);
+  if (m != MESSAGE_FORCE_RIGHT && m != MESSAGE_ACK && m != MESSAGE_TEAR && m != MESSAGE_STATUS) return 0;
+  const frame f = *frame_at(at);
+  insert(&changed, sync_at(&changed, 0), &f);
+  return 1;
+}
+static int force_left(size_t at) {
+  frame f;
+  codec_encode_force(&f, 0, 0, &(codec_force){1, 2, 3, counter_at(at), 0});
+  insert(&changed, at, &f);
+  return 1;
+}
+static int ack_of_before(size_t at) {
+  frame f;
+  codec_encode_ack(&f, 0, &(codec_ack){3, FRAY_COMMAND_STOP, 0, UINT32_MAX});
+  insert(&changed, at, &f);
+  return 1;
+}
+static int identity_at_end(size_t at) {
+  const frame f = *frame_at(at);
+  insert(&changed, changed.count, &f);
+  return 1;
+}
+static int first_identity_at_end(size_t at) {
+  return next_of(at, MESSAGE_IDENTITY) < changed.count && identity_at_end(at);
+}
+
+static int as_fd(size_t at) {
+  frame_at(at)->fd = at % 2 != 0 ? FRAME_FD : FRAME_FD | FRAME_FD_BRS;
+  return 1;
+}
+static int of_others(size_t at) {
+  repeated(at);
+  if (at % 2 == 0)
+    frame_at(at + 1)->extended = 1;
+  else
+    frame_at(at + 1)->id = dictionary_id(message_at(&changed, at), 1);
+  return 1;
+}
+static int other_time(size_t at) {
+  changed.entries[at].time_us += 5000000;
   return 1;
 }
 

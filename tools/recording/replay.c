@@ -121,11 +121,11 @@ static int add_force(replay_reader *r, uint32_t hand, const candump_entry *entry
   const codec_reason reason = codec_decode_force(&entry->frame, r->setting->instance, hand, &force);
   if (reason != CODEC_OK) return refuse_frame(r, entry, "FORCE", reason);
   const uint64_t tick = out->first + *next;
-  const replay_tick *before = *next > 0 ? &out->ticks[*next - 1] : NULL;
-  /* Of the tick before the first SYNC; or sent twice by a controller. */
-  if (before == NULL && entry->line < r->first_sync_line) return 1;
-  if (before != NULL && memcmp(before->force[hand], entry->frame.data, 8) == 0) return 1;
-  if (before == NULL && force.counter == ((tick + 15u) & 15u)) return 1;
+  if ((r->setting->hands >> hand & 1u) == 0)
+    return candump_fail(r->error, r->file, entry->line, 0, "FORCE %s: the world does not have this hand",
+                        hand_name(hand));
+  /* or sent twice by a controller */
+  if (*next > 0 && memcmp(out->ticks[*next - 1].force[hand], entry->frame.data, 8) == 0) return 1;
   const uint64_t late = (uint64_t)*next + LATE_TICKS;
   if (*next == out->count || force.counter != (tick & 15u) ||
       (late < out->count && entry->line > out->ticks[late].sync_line)) {
@@ -145,11 +145,9 @@ static int add_ack(replay_reader *r, const candump_entry *entry) {
   const codec_reason reason = codec_decode_ack(&entry->frame, r->setting->instance, &ack);
   if (reason != CODEC_OK) return refuse_frame(r, entry, "ACK", reason);
   replay_tick *tick = tick_of(r->out, ack.tick);
-  if (tick == NULL) {
-    if (ack.tick == low_of(r->out->first - 1u)) return 1;
+  if (tick == NULL)
     return candump_fail(r->error, r->file, entry->line, 0, "ACK of tick %" PRIu64 ", which has no SYNC",
                         replay_tick_number(ack.tick, r->out->first));
-  }
   if (tick->ack_line != 0 && memcmp(tick->ack, entry->frame.data, 8) != 0) {
     return candump_fail(r->error, r->file, entry->line, 0,
                         "a second ACK of tick %" PRIu64 ", the first is in line %d",
@@ -170,8 +168,7 @@ static int add_tear(replay_reader *r, const candump_entry *entry) {
   codec_tear tear;
   const codec_reason reason = codec_decode_tear(&entry->frame, r->setting->instance, &tear);
   if (reason != CODEC_OK) return refuse_frame(r, entry, "TEAR", reason);
-  /* those before the first SYNC are of the tick before it */
-  if (entry->line > r->first_sync_line) add_to(&r->out->tears, entry);
+  add_to(&r->out->tears, entry);
   return 1;
 }
 
@@ -179,7 +176,7 @@ static int add_status(replay_reader *r, const candump_entry *entry) {
   codec_status status;
   const codec_reason reason = codec_decode_status(&entry->frame, r->setting->instance, &status);
   if (reason != CODEC_OK) return refuse_frame(r, entry, "STATUS", reason);
-  if (entry->line > r->first_sync_line) add_to(&r->out->statuses, entry);
+  add_to(&r->out->statuses, entry);
   return 1;
 }
 
@@ -193,13 +190,29 @@ static int add_identity(replay_reader *r, const candump_entry *entry) {
   return 1;
 }
 
+/* Of a tick; IDENTITY stands before the first one. */
+static const char *output_name(dictionary_message m) {
+  switch (m) {
+    case MESSAGE_FORCE_LEFT:
+    case MESSAGE_FORCE_RIGHT: return "FORCE";
+    case MESSAGE_ACK: return "ACK";
+    case MESSAGE_TEAR: return "TEAR";
+    case MESSAGE_STATUS: return "STATUS";
+    default: return NULL;
+  }
+}
+
 /* Frames of the runtime: FORCE, ACK, TEAR, STATUS, IDENTITY. */
 static int read_outputs(replay_reader *r) {
   uint32_t forces[FRAY_HANDS] = {0, 0};
   for (size_t n = 0; n < r->log->count; ++n) {
     const candump_entry *entry = &r->log->entries[n];
+    const dictionary_message message = message_of(r, &entry->frame);
+    const char *name = output_name(message);
     int good = 1;
-    switch (message_of(r, &entry->frame)) {
+    if (name != NULL && entry->line < r->first_sync_line)
+      return candump_fail(r->error, r->file, entry->line, 0, "%s before the first SYNC, of another session", name);
+    switch (message) {
       case MESSAGE_FORCE_LEFT: good = add_force(r, 0, entry, &forces[0]); break;
       case MESSAGE_FORCE_RIGHT: good = add_force(r, 1, entry, &forces[1]); break;
       case MESSAGE_ACK: good = add_ack(r, entry); break;
