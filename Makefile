@@ -254,7 +254,8 @@ $(SHARED): $(PIC_LIB) platform/package/install.sh
 	  -Wl,--version-script=$(BUILD)/pic/exports -Wl,--whole-archive $< -Wl,--no-whole-archive -o $@
 
 .PHONY: uninstall
-INSTALLED = $(BUILD) $(or $(PREFIX),/usr/local) $(DESTDIR)
+# by variables of the recipe's shell, which make fills: no character of theirs is the shell's
+INSTALLED = $(BUILD) "$${PREFIX:-/usr/local}" "$$DESTDIR"
 install: command ## command, man page, completion, library, headers, CMake config, fray.pc below PREFIX; DESTDIR is for packagers
 	$(SUBMAKE) $(SHARED)
 	@sh platform/package/install.sh install $(INSTALLED)

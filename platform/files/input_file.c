@@ -26,7 +26,7 @@ int input_file_was_read(const struct stat *status) {
   return 0;
 }
 
-static void remember(const struct stat *status) {
+void input_file_remember(const struct stat *status) {
   if (file_count == FILES_MAX || input_file_was_read(status)) return;
   files[file_count].device = status->st_dev;
   files[file_count++].number = status->st_ino;
@@ -91,7 +91,7 @@ static uint8_t *read_open(int in, uint64_t most, size_t *bytes, char *why) {
   }
   if (data == NULL) return NULL;
   data[*bytes] = 0;
-  remember(&status);
+  input_file_remember(&status);
   return data;
 }
 

@@ -22,6 +22,9 @@ enum { INPUT_FILE_WHY = 160 };
  * expected, to be put behind the path. Cost: linear in the file. most: any. */
 uint8_t *input_file_read(const char *path, uint64_t most, size_t *bytes, char why[INPUT_FILE_WHY]);
 
+/* Notes a file that was read in another way. */
+void input_file_remember(const struct stat *status);
+
 /* Whether this is a file that was read. Of more than 64 files, the first 64. */
 int input_file_was_read(const struct stat *status);
 

@@ -114,21 +114,21 @@ int output_file_keep(output_file *f) {
   return 0;
 }
 
-static void sync_folder(const char *file) {
+static int sync_folder(const char *file) {
   char folder[OUTPUT_FILE_PATH];
   const char *slash = strrchr(file, '/');
   snprintf(folder, sizeof folder, "%.*s", slash != NULL ? (int)(slash - file + 1) : 1, slash != NULL ? file : ".");
   const int fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (fd < 0) return;
-  (void)fsync(fd);
+  if (fd < 0) return 0;
+  const int fault = fsync(fd) == 0 || errno == EINVAL ? 0 : errno; /* EINVAL: a file system that has nothing to sync */
   (void)close(fd);
+  errno = fault;
+  return fault == 0;
 }
 
 int output_file_name(output_file *f) {
   if (f->aside == IN_PLACE) return 1;
-  if (!give_name(f)) return 0;
-  sync_folder(f->target);
-  return 1;
+  return give_name(f) && sync_folder(f->target);
 }
 
 void output_file_drop(output_file *f) {

@@ -24,7 +24,7 @@ int output_file_open(output_file *f, const char *path);
  * is as it was. */
 int output_file_keep(output_file *f);
 /* Gives it its name and leaves it open, for what must be found after a power cut; also tells the folder's disk.
- * Returns 1, or 0 with errno. */
+ * Returns 1, or 0 with errno; aside is then -1 iff it has its name all the same. */
 int output_file_name(output_file *f);
 /* Closes it, if it is open, and leaves the old file as it was. */
 void output_file_drop(output_file *f);

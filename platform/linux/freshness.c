@@ -14,6 +14,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "platform/files/output_file.h"
 #include "rt/base/bytes.h"
 
 enum { TEXT = 1024, POLL_MS = 50, STACK = 1 << 17 };
@@ -43,60 +44,37 @@ static size_t format(const freshness *s, const uint32_t *values, char text[TEXT]
   return at;
 }
 
-static int write_all(int out, const char *text, size_t bytes) {
-  while (bytes > 0) {
-    const ssize_t written = write(out, text, bytes);
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) return 0;
-    text += written;
-    bytes -= (size_t)written;
-  }
-  return fsync(out) == 0;
-}
-
-static int sync_folder(const char *file) {
-  char folder[FRESHNESS_PATH];
-  const char *slash = strrchr(file, '/');
-  snprintf(folder, sizeof folder, "%.*s", slash == NULL ? 1 : (int)(slash - file + 1),
-           slash == NULL ? "." : file);
-  const int in = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (in < 0) return 0;
-  const int good = fsync(in) == 0 || errno == EINVAL; /* a file system that has nothing to sync */
-  close(in);
-  return good;
-}
-
 /* Replaces the file that was held; -1: none. */
 static void hold(freshness *s, int file) {
   if (s->held >= 0) close(s->held);
   s->held = file;
 }
 
-/* A file that lost its name since it was opened was replaced by another process that stores. */
-static int is_anothers(int file) {
-  struct stat status;
-  if (flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return 1;
-  return fstat(file, &status) == 0 && status.st_nlink == 0;
+/* Whether the file that is held still has the name. */
+static int is_in_place(const freshness *s) {
+  struct stat held, named;
+  return fstat(s->held, &held) == 0 && lstat(s->file, &named) == 0 && held.st_dev == named.st_dev &&
+         held.st_ino == named.st_ino;
 }
 
-/* Returns 0, or an errno. What has the name of the new file, left behind or put there, is removed and never written
- * through. */
+/* Returns 0, or an errno. Never over a file that was put in the place of the one that is held: another end may use it. */
 static int store(freshness *s, const uint32_t *values) {
   char text[TEXT];
+  output_file out;
   const size_t bytes = format(s, values, text);
-  if (unlink(s->fresh) != 0 && errno != ENOENT) return errno;
-  const int out = open(s->fresh, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
-  if (out < 0) return errno;
-  (void)flock(out, LOCK_EX | LOCK_NB); /* a file system without locks is as good as none */
-  errno = EIO;
-  if (!write_all(out, text, bytes) || rename(s->fresh, s->file) != 0) {
-    const int fault = errno;
-    close(out);
-    return fault;
+  if (!is_in_place(s)) return ESTALE;
+  if (!output_file_open(&out, s->file)) return errno;
+  const int fresh = fileno(out.stream);
+  (void)flock(fresh, LOCK_EX | LOCK_NB); /* a file system without locks is as good as none */
+  const int good = fwrite(text, 1, bytes, out.stream) == bytes && fflush(out.stream) == 0 && fsync(fresh) == 0 &&
+                   output_file_name(&out);
+  int fault = good ? 0 : errno;
+  if (out.aside < 0) { /* it has the name, also where its folder could not be synced */
+    hold(s, fcntl(fresh, F_DUPFD_CLOEXEC, 0)); /* with its lock */
+    if (s->held < 0) fault = errno;
   }
-  hold(s, out);
-  errno = EIO;
-  return sync_folder(s->file) ? 0 : errno;
+  output_file_drop(&out);
+  return fault;
 }
 
 /* The numbers to store now; once they are stored, the limits of the senders. */
@@ -192,21 +170,40 @@ static int parse(freshness *s, const char *text, size_t bytes, candump_error *er
                       "written under, or for a key that is new everywhere another file");
 }
 
-static int load(freshness *s, candump_error *error) {
-  char text[TEXT];
-  s->held = open(s->file, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe of this name has no end */
-  if (s->held < 0 && errno == ENOENT) {
-    s->is_new = 1;
-    return 1;
-  }
-  if (s->held < 0) {
-    return candump_fail(error, s->file, 0, 0, "cannot be opened: %s", strerror(errno));
-  }
-  if (is_anothers(s->held)) {
+/* A file that has no name yet is made here, and nowhere else: of two ends that begin at once, one is refused. */
+static int open_held(freshness *s, candump_error *error) {
+  const int flags = O_RDWR | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK; /* a pipe of this name has no end */
+  s->held = open(s->file, flags);
+  if (s->held >= 0) return 1;
+  if (errno == ELOOP)
+    return candump_fail(error, s->file, 0, 0, "is a symbolic link, expected the file itself, which one end uses");
+  if (errno != ENOENT) return candump_fail(error, s->file, 0, 0, "cannot be opened: %s", strerror(errno));
+  s->held = open(s->file, flags | O_CREAT | O_EXCL, 0600);
+  s->is_new = s->held >= 0;
+  return s->is_new || candump_fail(error, s->file, 0, 0, "cannot be written: %s", strerror(errno));
+}
+
+static int lock(freshness *s, candump_error *error) {
+  struct stat status;
+  const int is_anothers = flock(s->held, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  if (is_anothers || !is_in_place(s)) {
     return candump_fail(error, s->file, 0, 0,
                         "another process stores its freshness here, expected that it has ended, or "
                         "a file for each end");
   }
+  if (fstat(s->held, &status) != 0 || !S_ISREG(status.st_mode))
+    return candump_fail(error, s->file, 0, 0, "is not a regular file, expected a file of freshness");
+  if (status.st_nlink > 1) {
+    return candump_fail(error, s->file, 0, 0, "has %u names (hard links), expected one, which one end uses",
+                        (unsigned)status.st_nlink);
+  }
+  return 1;
+}
+
+static int load(freshness *s, candump_error *error) {
+  char text[TEXT];
+  if (!open_held(s, error) || !lock(s, error)) return 0;
+  if (s->is_new) return 1;
   const ssize_t bytes = read(s->held, text, sizeof text - 1);
   if (bytes < 0) return candump_fail(error, s->file, 0, 0, "cannot be read: %s", strerror(errno));
   text[bytes] = 0;
@@ -232,7 +229,8 @@ static int begin(freshness *s, candump_error *error) {
   if (!load(s, error) || !check_lanes(s, error)) return 0;
   const int fault = store_ahead(s);
   if (fault != 0) {
-    return candump_fail(error, s->file, 0, 0, "cannot be written: %s", strerror(fault));
+    errno = fault;
+    return candump_fail(error, s->file, 0, 0, "cannot be written: %s", output_file_reason());
   }
   freshness_exchange(s);
   return start_writer(s) || candump_fail(error, s->file, 0, 0, "no thread for its writer");
@@ -253,8 +251,8 @@ int freshness_open(freshness *s, const char *file, auth_gate *g, const cmac_key 
   if ((size_t)snprintf(s->file, sizeof s->file, "%s", file) >= sizeof s->file) {
     return candump_fail(error, "", 0, 0, "the name of the file of freshness is too long");
   }
-  snprintf(s->fresh, sizeof s->fresh, "%s.new", s->file);
   if (begin(s, error)) return 1;
+  if (s->is_new) (void)unlink(s->file);
   hold(s, -1);
   return 0;
 }

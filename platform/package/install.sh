@@ -39,6 +39,16 @@ files() {
   fill fray-config-version.cmake.in lib/cmake/fray/fray-config-version.cmake
 }
 
+# It stands in files that pkg-config and shells read; DESTDIR stands in none.
+check() {
+  case $prefix in
+  *[!A-Za-z0-9/._+~@-]*) ;;
+  /*) case $root in -*) ;; *) return 0 ;; esac ;;
+  esac
+  echo "install.sh: PREFIX '$prefix', DESTDIR '${root%"$prefix"}': expected for PREFIX an absolute path of letters, digits and /._+~@-, for DESTDIR a path" >&2
+  exit 2
+}
+
 verb=$1
 case $verb in
 version) echo "$version" ;;
@@ -52,6 +62,7 @@ exports)
   echo '};' ;;
 install | uninstall)
   build=$2 prefix=$3 root=${4:-}$3
+  check
   filled=$(mktemp)
   trap 'rm -f "$filled"' EXIT
   files

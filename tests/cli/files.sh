@@ -27,11 +27,11 @@ is "into a closed pipe: says" "$(cat "$cd_work/said")" ""
 # ---- files that cannot be written whole: an old one stays, byte for byte, and no other is left
 # stays FILE CODE WORDS COMMAND...: with a disk that takes 2 KiB of a file
 # shellcheck disable=SC2016
-stays() {
+stays() { # without a word of SIGXFSZ, which ends a process by default
   file=$1 expected=$2 says=$3
   shift 3
   echo "old" >"$file"
-  wants "$expected" "$says" sh -c 'trap "" XFSZ && ulimit -f 4 && exec "$@" >/dev/null' sh "$@"
+  wants "$expected" "$says" sh -c 'ulimit -f 4 && exec "$@" >/dev/null' sh "$@"
   is "$file after a full disk" "$(cat "$file")" old
   is "what is left in $dir/out" "$(ls -A "$dir/out")" "$(basename "$file")"
   rm "$file"
@@ -79,8 +79,40 @@ cp tests/determinism/small.hand "$dir/in.hand"
 wants 2 "-o $dir/in.hand is the file of the input" "$FRAY" hand -o "$dir/in.hand" "$dir/in.hand"
 is "the script" "$(cksum <"$dir/in.hand")" "$(cksum <tests/determinism/small.hand)"
 cp "$small" "$dir/named.img" # a scene of this name, whose image has the same one
-wants 1 "named.img: cannot be written: this command reads it" "$FRAY" scene "$dir/named.img"
+wants 2 "-o $dir/named.img is the file of the input $dir/named.img" "$FRAY" scene "$dir/named.img"
 is "a scene named as an image" "$(cksum <"$dir/named.img")" "$(cksum <"$small")"
+cp "$small" "$dir/linked.scene" && ln -s linked.scene "$dir/linked.img"
+wants 2 "-o $dir/linked.img is the file of the input $dir/linked.scene" "$FRAY" scene "$dir/linked.scene"
+is "a scene whose image is a link to it" "$(cksum <"$dir/linked.scene")" "$(cksum <"$small")"
+# two outputs that are one file, before it is there
+mkdir "$dir/d" && ln -s d "$dir/dl"
+for other in ./d/x d/../d/x dl/x d/./x d//x; do
+  wants 2 "--save $dir/$other is the file of --record $dir/d/x" "$FRAY" run "$image" --ticks 2 --record "$dir/d/x" --save "$dir/$other"
+done
+wants 2 "--save new.img is the file of --record ./new.img" "$FRAY" run "$image" --ticks 2 --record ./new.img --save new.img
+for other in summary.txt frame_00000.png work.png; do
+  for folder in "$dir/d" "$dir/dl/" "$dir/none/rep" "$dir/none/./rep/"; do
+    wants 2 "--report $folder goes over the file of --record" "$FRAY" run "$image" --ticks 2 --report "$folder" --record "${folder%/}/$other"
+  done
+done
+wants 2 "--report $dir/d goes over the file of --record $dir/d" "$FRAY" run "$image" --ticks 2 --report "$dir/d" --record "$dir/d"
+is "what was made" "$(ls -A "$dir/d")$(ls -d "$dir/none" new.img 2>/dev/null)" ""
+wants 0 "hash " "$FRAY" run "$image" --ticks 2 --record "$dir/d/x" --save "$dir/d/y"
+wants 0 "hash " "$FRAY" run "$image" --ticks 2 --record "$dir/d/x" --save /dev/null
+# the key is an input too, by its name or a link
+cp "$key" "$dir/d/summary.txt" && ln -s summary.txt "$dir/d/frame_00800.png"
+before=$(cksum <"$key")
+wants 2 "--report $dir/d goes over the file of --key $dir/d/summary.txt" "$FRAY" run "$image" --log "$keyed" --key "$dir/d/summary.txt" --report "$dir/d"
+wants 2 "-o $dir/d goes over the file of --key $dir/d/summary.txt" "$FRAY" render "$image" --log "$keyed" --key "$dir/d/summary.txt" -o "$dir/d"
+mkdir "$dir/e" && ln -s ../d/summary.txt "$dir/e/sheet.png"
+wants 1 "sheet.png: cannot be written: this command reads it" "$FRAY" render "$image" --log "$keyed" --key "$dir/d/summary.txt" --at 1ms --size 64x64 -o "$dir/e"
+is "the key" "$(cksum <"$dir/d/summary.txt")" "$before"
+# - is no name for an output
+for use in "run $image --ticks 2 --record" "run $image --ticks 2 --save" "run $image --ticks 2 --report" "scene $small -o" "render $image -o" "hand tests/determinism/small.hand -o" "bench $image --json"; do
+  # shellcheck disable=SC2086
+  wants 2 "${use##* } -, expected a name (./- for a file called so)" "$FRAY" $use -
+done
+is "a file called so" "$(ls -d ./- 2>/dev/null)" ""
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >"$dir/case.obj"
 { cat "$small" && echo 'mesh m { obj "case.obj" at 0 -3 0 cm }'; } >"$dir/mesh.scene"
 wants 1 "case.obj: cannot be written: this command reads it" "$FRAY" scene "$dir/mesh.scene" -o "$dir/case.obj"
@@ -119,14 +151,18 @@ wants 0 "verified 3 ticks" sh -c "cat $dir/in.log | $FRAY verify /dev/stdin --sc
 # ---- a signal: the run ends after a whole tick, and its log and report are those so far
 # a shell starts what is in the background with SIGINT ignored, and what is ignored stays so
 with_signals=
-if env --default-signal=INT true 2>/dev/null; then with_signals="env --default-signal=INT"; fi
+if env --default-signal=INT,QUIT true 2>/dev/null; then with_signals="env --default-signal=INT,QUIT"; fi
+until_there() { # PATTERN: a minute at most
+  tries=0
+  # shellcheck disable=SC2086
+  until ls $1 >/dev/null 2>&1 || [ $tries -eq 1200 ]; do sleep 0.05 && tries=$((tries + 1)); done
+}
 signalled() { # SIGNAL CODE
   rm -rf "$dir/so_far" && mkdir "$dir/so_far"
   # shellcheck disable=SC2086
   $with_signals "$FRAY" run "$image" --ticks 60000000 --record "$dir/so_far/r.log" --report "$dir/so_far/report" --save "$dir/so_far/r.img" >"$cd_work/said" 2>&1 &
   run=$!
-  tries=0
-  until ls "$dir/so_far"/.fray-* >/dev/null 2>&1 || [ $tries -eq 600 ]; do sleep 0.05 && tries=$((tries + 1)); done
+  until_there "$dir/so_far/.fray-*"
   sleep 0.3
   kill "-$1" $run
   code=0 && wait $run || code=$?
@@ -144,3 +180,37 @@ signalled() { # SIGNAL CODE
 signalled TERM 143
 signalled HUP 129
 if [ -n "$with_signals" ]; then signalled INT 130; else not_run "a run under SIGINT" "coreutils 8.31"; fi
+# each signal: of a run the recording so far, of another command nothing
+ends() { # SIGNAL NUMBER
+  rm -rf "$dir/so_far" && mkdir "$dir/so_far"
+  # shellcheck disable=SC2086
+  $with_signals "$FRAY" run "$image" --ticks 60000000 --record "$dir/so_far/r.log" >/dev/null 2>&1 &
+  run=$!
+  # shellcheck disable=SC2086
+  $with_signals "$FRAY" bench "$image" --ticks 100000 --json "$dir/so_far/b.json" >/dev/null 2>&1 &
+  bench=$!
+  until_there "$dir/so_far/.fray-$run-0" && until_there "$dir/so_far/.fray-$bench-0"
+  sleep 0.2
+  kill "-$1" $run $bench
+  code=0 && wait $run || code=$?
+  is "a run under SIG$1: exit" "$code" $((128 + $2))
+  code=0 && wait $bench 2>/dev/null || code=$?
+  is "a bench under SIG$1: exit" "$code" $((128 + $2))
+  is "files after SIG$1" "$(ls -A "$dir/so_far" | tr '\n' ' ')" "r.log "
+}
+ulimit -c 0 # SIGQUIT and SIGXCPU write one
+for signal in 10:USR1 12:USR2 14:ALRM 24:XCPU; do ends "${signal#*:}" "${signal%:*}"; done
+if [ -n "$with_signals" ]; then ends QUIT 3; else not_run "a run under SIGQUIT" "coreutils 8.31"; fi
+# while the report is written: whole pictures, and no more of them
+rm -rf "$dir/so_far" && mkdir "$dir/so_far"
+"$FRAY" run "$image" --ticks 20 --report "$dir/so_far" --record "$dir/so_far/r.log" >"$cd_work/said" 2>&1 &
+run=$!
+until_there "$dir/so_far/frame_00000.png"
+kill -TERM $run
+code=0 && wait $run || code=$?
+is "a report under SIGTERM: exit" "$code" 143
+if grep -q "so_far: not all of the report: signal 15 ended it" "$cd_work/said"; then pass; else fail "a report under SIGTERM: $(cat "$cd_work/said")"; fi
+is "its last picture" "$(ls "$dir/so_far/frame_00020.png" "$dir/so_far/sheet.png" 2>/dev/null)" ""
+is "what is left aside" "$(ls -d "$dir/so_far"/.fray-* 2>/dev/null)" ""
+if grep -q "^ticks  *20 " "$dir/so_far/summary.txt"; then pass; else fail "its summary"; fi
+wants 0 "verified 20 ticks" "$FRAY" verify "$dir/so_far/r.log" --scene "$image"

@@ -146,6 +146,25 @@ else
   not_run "the Zephyr module" cmake
 fi
 
+# a PREFIX that would not work is refused, whatever it holds, and nothing is written or run; DESTDIR may be any folder
+mkdir -p "$work/odd"
+for verb in install uninstall; do
+  # shellcheck disable=SC2016
+  for prefix in "$work/odd/a b/c d" "$work/odd/a&touch $work/odd/ran" "$work/odd/a;b" "$work/odd/a|b" "$work/odd/a\"b" "$work/odd/a'b" \
+    "$work/odd/\$\$HOME" "$work/odd/a\\b" odd/relative ./odd -odd; do
+    refutes "make $verb PREFIX='$prefix' is taken" suite_make "$verb" PREFIX="$prefix" BUILD="$FRAY_BUILD" 2>"$work/odd.txt"
+    holds "make $verb PREFIX='$prefix' says: $(head -n 2 "$work/odd.txt")" grep -qF 'expected for PREFIX an absolute path of letters, digits and /._+~@-' "$work/odd.txt"
+  done
+done
+refutes "make install DESTDIR=-x is taken" suite_make install PREFIX=/opt DESTDIR=-x BUILD="$FRAY_BUILD" 2>"$work/odd.txt"
+holds "what odd places made: $(ls -A "$work/odd") $(ls -d odd ./-* 2>/dev/null)" [ -z "$(ls -A "$work/odd")$(ls -d odd ./-* 2>/dev/null)" ]
+# shellcheck disable=SC2016
+stage="$work/odd/it's a&b \$\$HOME" kept=$work/odd/it\'s\ a\&b\ \$HOME
+suite_make install PREFIX=/opt/c++_1.0~rc@x DESTDIR="$stage" BUILD="$FRAY_BUILD" || fail "make install, DESTDIR=$stage"
+holds "DESTDIR of odd characters" grep -qx 'prefix=/opt/c++_1.0~rc@x' "$kept/opt/c++_1.0~rc@x/lib/pkgconfig/fray.pc"
+suite_make uninstall PREFIX=/opt/c++_1.0~rc@x DESTDIR="$stage" BUILD="$FRAY_BUILD" || fail "make uninstall, DESTDIR=$stage"
+holds "make uninstall, DESTDIR=$stage leaves $(find "$kept" ! -type d)" [ -z "$(find "$kept" ! -type d)" ]
+
 # what others have put there stays
 touch "$work/stage/opt/fray/lib/other.so" "$work/stage/opt/fray/include/fray/mine.h"
 suite_make uninstall PREFIX=/opt/fray DESTDIR="$work/stage" BUILD="$FRAY_BUILD" || fail "make uninstall"

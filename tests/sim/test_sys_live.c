@@ -13,8 +13,8 @@
 #include "tests/sim/sys_session.h"
 #include "tools/bus/live.h"
 
-static const int signal_numbers[] = {SIGHUP, SIGINT, SIGPIPE, SIGTERM};
-enum { SIGNALS = 4 };
+static const int signal_numbers[] = {SIGHUP, SIGINT, SIGPIPE, SIGTERM, SIGQUIT, SIGALRM, SIGUSR1, SIGUSR2, SIGXCPU};
+enum { SIGNALS = sizeof signal_numbers / sizeof *signal_numbers };
 enum { BUS_GOOD, BUS_DOWN, BUS_DEAF, BUSES };
 static const char *const bus_names[BUSES] = {"good", "down", "deaf"};
 

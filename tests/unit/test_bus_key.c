@@ -12,7 +12,7 @@
 #include "tests/lib/test.h"
 
 static char folder[] = "/tmp/fray_bus_key_XXXXXX";
-static char key_file[64], lanes[64], fresh[80];
+static char key_file[64], lanes[64], kept[80];
 static bus_key k;
 
 static void seal_poses(uint32_t times) {
@@ -27,12 +27,12 @@ static void a_store_that_comes_back(void) {
   const bus_key_options o = {key_file, lanes, 0};
   CHECK(bus_key_open(&k, &o, AUTH_GATE_DEVICE, 0, 0));
   CHECK(bus_key_tick(&k));
-  CHECK(mkdir(fresh, 0700) == 0); /* where the new file would be */
+  CHECK(rename(lanes, kept) == 0 && mkdir(lanes, 0700) == 0);
   seal_poses(6000);
   const struct timespec pause = {0, 20000000};
   for (int n = 0; n < 500 && bus_key_tick(&k); ++n) (void)nanosleep(&pause, NULL);
   CHECK(!bus_key_tick(&k));
-  CHECK(rmdir(fresh) == 0);
+  CHECK(rmdir(lanes) == 0 && rename(kept, lanes) == 0);
   for (int n = 0; n < 500 && freshness_failed(&k.store) != 0; ++n) (void)nanosleep(&pause, NULL);
   CHECK_EQ_INT(freshness_failed(&k.store), 0);
   CHECK(!bus_key_tick(&k)); /* the end of a run has one cause */
@@ -55,7 +55,7 @@ int main(void) {
   if (mkdtemp(folder) == NULL) return 1;
   snprintf(key_file, sizeof key_file, "%s/key", folder);
   snprintf(lanes, sizeof lanes, "%s/lanes", folder);
-  snprintf(fresh, sizeof fresh, "%s.new", lanes);
+  snprintf(kept, sizeof kept, "%s.kept", lanes);
   write_key();
   TEST(a_store_that_comes_back);
   unlink(key_file);

@@ -2,6 +2,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "platform/linux/freshness.h"
 
+#include <dirent.h>
+#include <errno.h>
 #include <stdlib.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -15,7 +17,7 @@
 static const uint8_t OTHER_BYTES[16] = {1};
 static cmac_key key, other_key;
 static char folder[] = "/tmp/fray_freshness_XXXXXX";
-static char path[64], fresh[80];
+static char path[64], kept[80], beside[80];
 static freshness store;
 static auth_gate g;
 static candump_error error;
@@ -77,7 +79,6 @@ static void a_new_file(void) {
   CHECK_TEXT(text(), "fray freshness 1\ndevice fd instance 0\naccepted 021 0\naccepted 189 0\n"
                      "accepted 18A 0\nsent 020 0\nsent 109 7\nsent 10A 0\n"
                      "tag 3387414BCEC670AA1235433EB304A6F4\n");
-  CHECK(access(fresh, F_OK) != 0);
 }
 
 static void a_clean_end_goes_on(void) {
@@ -205,8 +206,7 @@ static void what_cannot_be_written(void) {
   snprintf(path, sizeof path, "%s", words);
   unlink(path);
   CHECK(begin());
-  (void)rmdir(fresh);
-  CHECK(mkdir(fresh, 0700) == 0); /* from now on the new file cannot be opened */
+  CHECK(rename(path, kept) == 0 && mkdir(path, 0700) == 0); /* from now on nothing can be stored */
   (void)seal(6000);
   const struct timespec pause = {0, 20000000};
   for (int n = 0; n < 500 && freshness_failed(&store) == 0; ++n) {
@@ -216,38 +216,149 @@ static void what_cannot_be_written(void) {
   CHECK(freshness_failed(&store) != 0);
   CHECK_EQ_INT(seal(20000), 4000); /* as far as the file says */
   CHECK(!freshness_close(&store));
-  rmdir(fresh);
+  CHECK(rmdir(path) == 0 && rename(kept, path) == 0);
   CHECK(begin());
   CHECK_EQ_INT(g.out[1].last, 10000);
   CHECK(freshness_close(&store));
 }
 
-/* What stands where the new file is written is not written through, and does not hold the start up. */
-static void what_stands_in_the_way(void) {
-  char victim[80], line[16] = "";
-  snprintf(victim, sizeof victim, "%s/victim", folder);
-  FILE *out = fopen(victim, "w");
+static int second_opens(const char *file) {
+  static freshness second;
+  static auth_gate another;
+  auth_gate_init(&another, &key, AUTH_GATE_FD, AUTH_GATE_DEVICE, 0, 3);
+  memset(&error, 0, sizeof error);
+  if (!freshness_open(&second, file, &another, &key, &error)) return 0;
+  (void)freshness_close(&second);
+  return 1;
+}
+
+/* Two names would be two locks: the same freshness twice under one key. */
+static void one_name_a_file(void) {
+  char soft[80], hard[80], by_folder[96];
+  struct stat status;
+  snprintf(soft, sizeof soft, "%s/soft", folder);
+  snprintf(hard, sizeof hard, "%s/hard", folder);
+  snprintf(by_folder, sizeof by_folder, "%s/linked", folder);
+  (void)unlink(path);
+  CHECK(symlink("lanes", soft) == 0 && symlink(".", by_folder) == 0);
+  CHECK(!second_opens(soft));
+  CHECK_TEXT(error.message, "is a symbolic link, expected the file itself, which one end uses");
+  CHECK(access(path, F_OK) != 0);
+  CHECK(begin());
+  CHECK(!second_opens(soft));
+  CHECK(lstat(soft, &status) == 0 && S_ISLNK(status.st_mode));
+  snprintf(by_folder, sizeof by_folder, "%s/linked/lanes", folder);
+  CHECK(!second_opens(by_folder)); /* the same name, by another way */
+  CHECK(strstr(error.message, "another process stores its freshness here") != NULL);
+  CHECK(link(path, hard) == 0);
+  CHECK(!second_opens(hard));
+  CHECK(freshness_close(&store)); /* the name is a new file's */
+  CHECK(unlink(hard) == 0 && link(path, hard) == 0);
+  CHECK(!second_opens(hard));
+  CHECK_TEXT(error.message, "has 2 names (hard links), expected one, which one end uses");
+  CHECK(!second_opens(path));
+  CHECK(unlink(hard) == 0);
+  CHECK(second_opens(path));
+  CHECK(second_opens(by_folder));
+  snprintf(by_folder, sizeof by_folder, "%s/linked", folder);
+  (void)unlink(soft);
+  (void)unlink(by_folder);
+}
+
+/* Two ends that begin at once, without a file: one of them may send. */
+static void one_of_two_that_begin(void) {
+  for (int round = 0; round < 20; ++round) {
+    int way[2];
+    char go = 0;
+    (void)unlink(path);
+    if (pipe(way) != 0) exit(1);
+    pid_t child[2];
+    int good = 0;
+    for (int n = 0; n < 2; ++n) {
+      child[n] = fork();
+      if (child[n] != 0) continue;
+      const struct timespec life = {0, 20000000};
+      if (read(way[0], &go, 1) != 1 || !begin()) _exit(1);
+      (void)nanosleep(&life, NULL);
+      _exit(0); /* as killed: what it sent is as the file says, at most */
+    }
+    if (write(way[1], "go", 2) != 2) exit(1);
+    for (int n = 0; n < 2; ++n) {
+      int status = 1;
+      (void)waitpid(child[n], &status, 0);
+      good += status == 0;
+    }
+    close(way[0]);
+    close(way[1]);
+    const uint32_t allowed = (uint32_t)(good * FRESHNESS_AHEAD);
+    if (good == 0) continue;
+    CHECK(begin());
+    CHECK_EQ_INT(g.out[1].last, allowed);
+    CHECK(freshness_close(&store));
+  }
+}
+
+/* A file that was put in the place of the one that is held is another end's. */
+static void a_file_that_was_put_there(void) {
+  (void)unlink(path);
+  CHECK(begin());
+  CHECK(rename(path, kept) == 0);
+  put("precious");
+  CHECK(!freshness_close(&store));
+  CHECK_EQ_INT(freshness_failed(&store), ESTALE);
+  CHECK_TEXT(text(), "precious");
+  CHECK(rename(kept, path) == 0);
+  CHECK(begin());
+  CHECK_EQ_INT(g.out[1].last, 10000);
+  CHECK(freshness_close(&store));
+}
+
+static void what_cannot_begin_leaves_nothing(void) {
+  auth_gate_init(&g, &key, AUTH_GATE_FD, AUTH_GATE_DEVICE, 0, 3);
+  (void)unlink(path);
+  g.out[2].last = UINT32_MAX;
+  CHECK(!freshness_open(&store, path, &g, &key, &error));
+  CHECK(access(path, F_OK) != 0);
+}
+
+/* What has a name beside it is someone's: it is neither removed nor written through. */
+static void what_stands_beside(void) {
+  char line[16] = "";
+  FILE *out = fopen(beside, "w");
   CHECK(out != NULL && fputs("precious", out) >= 0 && fclose(out) == 0);
   (void)unlink(path);
-  CHECK(symlink(victim, fresh) == 0);
   CHECK(begin());
   CHECK(freshness_close(&store));
-  FILE *in = fopen(victim, "r");
+  FILE *in = fopen(beside, "r");
   CHECK(in != NULL && fgets(line, sizeof line, in) != NULL && fclose(in) == 0);
   CHECK_TEXT(line, "precious");
-  (void)alarm(20); /* a pipe that is opened for writing waits for a reader */
-  CHECK(mkfifo(fresh, 0600) == 0);
-  CHECK(begin());
-  CHECK(freshness_close(&store));
+  (void)unlink(beside);
+  (void)alarm(20); /* a pipe that is opened for reading waits for a writer */
+  (void)unlink(path);
+  CHECK(mkfifo(path, 0600) == 0);
+  CHECK(!begin());
+  CHECK_TEXT(error.message, "is not a regular file, expected a file of freshness");
   (void)alarm(0);
-  (void)unlink(fresh);
-  (void)unlink(victim);
+  (void)unlink(path);
+}
+
+/* What killed processes left. */
+static void remove_folder(void) {
+  DIR *names = opendir(folder);
+  for (struct dirent *d = names != NULL ? readdir(names) : NULL; d != NULL; d = readdir(names)) {
+    char name[400];
+    snprintf(name, sizeof name, "%s/%s", folder, d->d_name);
+    (void)unlink(name);
+  }
+  if (names != NULL) closedir(names);
+  rmdir(folder);
 }
 
 int main(void) {
   if (mkdtemp(folder) == NULL) return 1;
   snprintf(path, sizeof path, "%s/lanes", folder);
-  snprintf(fresh, sizeof fresh, "%s.new", path);
+  snprintf(kept, sizeof kept, "%s.kept", path);
+  snprintf(beside, sizeof beside, "%s.new", path);
   cmac_key_init(&key, RFC4493_KEY);
   cmac_key_init(&other_key, OTHER_BYTES);
   TEST(a_new_file);
@@ -258,8 +369,11 @@ int main(void) {
   TEST(a_spent_key);
   TEST(one_process_a_file);
   TEST(what_cannot_be_written);
-  TEST(what_stands_in_the_way);
-  unlink(path);
-  rmdir(folder);
+  TEST(one_name_a_file);
+  TEST(one_of_two_that_begin);
+  TEST(a_file_that_was_put_there);
+  TEST(what_cannot_begin_leaves_nothing);
+  TEST(what_stands_beside);
+  remove_folder();
   return test_end();
 }

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "platform/files/input_file.h"
 #include "tests/lib/rfc4493_key.h"
 #include "tests/lib/test.h"
 
@@ -46,6 +47,16 @@ static void good_files(void) {
   CHECK(READ("2B7E151628AED2A6ABF7158809CF4F3C\n"));
   CHECK(memcmp(key, RFC4493_KEY, 16) == 0);
   CHECK(read_text(DIGITS "\n", 33, 0400));
+}
+
+/* So that no output of the command goes over it. */
+static void is_an_input(void) {
+  struct stat status;
+  FILE *out = fopen(path, "wb");
+  CHECK(out != NULL && fputs(DIGITS, out) >= 0 && fclose(out) == 0 && chmod(path, 0600) == 0);
+  CHECK(key_file_read(path, key, &error));
+  CHECK(stat(path, &status) == 0 && input_file_was_read(&status));
+  unlink(path);
 }
 
 static void bad_texts(void) {
@@ -104,6 +115,7 @@ int main(void) {
   }
   snprintf(path, sizeof path, "%s/bus.key", folder);
   TEST(good_files);
+  TEST(is_an_input);
   TEST(bad_texts);
   TEST(files_that_others_have_rights_to);
   TEST(no_files);

@@ -9,6 +9,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "platform/files/input_file.h"
+
 enum { DIGITS = 2 * CMAC_KEY, ROOM = DIGITS + 3 /* CR LF, and one too many */ };
 
 static int digit(char c) {
@@ -41,7 +43,7 @@ static int parse(const char *file, const char *text, size_t bytes, uint8_t key[C
   return 1;
 }
 
-static int check_mode(const char *file, int in, candump_error *error) {
+static int check_file(const char *file, int in, candump_error *error) {
   struct stat status;
   if (fstat(in, &status) != 0) {
     return candump_fail(error, file, 0, 0, "cannot be read: %s", strerror(errno));
@@ -55,6 +57,7 @@ static int check_mode(const char *file, int in, candump_error *error) {
                         "chmod 600 it, and change the key if it may have been read",
                         (unsigned)(status.st_mode & 07777));
   }
+  input_file_remember(&status);
   return 1;
 }
 
@@ -80,7 +83,7 @@ int key_file_read(const char *file, uint8_t key[CMAC_KEY], candump_error *error)
   /* without O_NONBLOCK a pipe of this name would block before it is refused */
   const int in = open(file, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (in < 0) return candump_fail(error, file, 0, 0, "cannot be opened: %s", strerror(errno));
-  const int good = check_mode(file, in, error) && read_key(file, in, key, error);
+  const int good = check_file(file, in, error) && read_key(file, in, key, error);
   close(in);
   if (!good) explicit_bzero(key, CMAC_KEY);
   return good;

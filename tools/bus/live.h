@@ -27,7 +27,7 @@ typedef struct {
   int started;      /* the world was OPERATIONAL in some tick */
 } live_result;
 
-/* Runs for all ticks or until SIGHUP, SIGINT, SIGPIPE, SIGTERM, or the reader of a log that is a pipe ends: then
+/* Runs for all ticks or until a signal of signals.h, or the reader of a log that is a pipe ends: then
  * it sends STOP, forces fade to zero, a closing SYNC gives the last hash, and the log is written out. On a lost
  * bus that takes a second at most, or the rest of the tick in which the bus was lost. Prints statistics of the
  * bus. Returns the exit code:

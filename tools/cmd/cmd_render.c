@@ -300,7 +300,7 @@ int cmd_render(int argc, char **argv) {
       {"--focus", &focus, NULL, NULL, 0, 0},
       {"--view", &view, NULL, NULL, 0, 0},  {"--strain", NULL, NULL, &o.strain, 0, 0},
       {"--yarn", NULL, NULL, &o.yarn, 0, 0}, {"--wire", NULL, NULL, &o.wire, 0, 0},
-      {"-o", &o.folder, NULL, NULL, 0, 0},  {"--key", &o.key, NULL, NULL, OPTION_INPUT, 0},
+      {"-o", &o.folder, NULL, NULL, OPTION_FOLDER, 0},  {"--key", &o.key, NULL, NULL, OPTION_INPUT, 0},
       {"--kernel", &o.kernel, NULL, NULL, 0, 0}};
   const options_result wish =
       options_parse(argc, argv, table, sizeof table / sizeof table[0], &o.file);

@@ -84,8 +84,9 @@ static void print_usage(FILE *out) {
           "  --freshness FILE the counters of this end, so that one key lasts for many sessions;\n"
           "                   each end has its own file\n\n"
           "The last line is `hash <16 hex> ticks <n> tears <n> pieces <n> faults <n>`.\n\n"
-          "Ctrl-C (SIGINT, SIGTERM, SIGHUP) ends a run after a whole tick: recording, image and\n"
-          "report are those so far.\n\n"
+          "Ctrl-C (SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGALRM, SIGUSR1, SIGUSR2, SIGXCPU) ends a run after\n"
+          "a whole tick: recording, image and report are those so far. While the report is written,\n"
+          "it ends after a whole picture.\n\n"
           "exit: 0 good, 1 the run failed, 2 wrong use or unreadable input; without --can 128 and the\n"
           "signal's number where one ended the run\n",
           DEFAULT_TICKS);
@@ -306,11 +307,8 @@ static int write_summary(run_job *j, const component *components, uint32_t count
   return output_file_keep(&out) || fail(path);
 }
 
-static int write_report(run_job *j, const component *components, uint32_t count) {
+static int write_plots(run_job *j) {
   char path[PATH_ROOM];
-  const album_style style = {.folder = j->o->report, .width = 1280, .height = 960,
-                             .yarn = j->s.facts.splits_max != 0};
-  if (!album_write(&j->pictures, &style)) return 0;
   if (j->s.facts.hands != 0) {
     snprintf(path, sizeof path, "%s/forces.png", j->o->report);
     if (!run_trace_plot_forces(&j->trace, path)) return fail(path);
@@ -318,7 +316,20 @@ static int write_report(run_job *j, const component *components, uint32_t count)
   snprintf(path, sizeof path, "%s/work.png", j->o->report);
   if (!run_trace_plot_work(&j->trace, path)) return fail(path);
   snprintf(path, sizeof path, "%s/pull.png", j->o->report);
-  if (!run_trace_plot_pull(&j->trace, path)) return fail(path);
+  return run_trace_plot_pull(&j->trace, path) || fail(path);
+}
+
+/* The first signal since the run ended by itself, 0: none. After one that ended the run the report is written, and
+ * the next ends the process. */
+static int asked_to_end(const run_job *j) { return j->signal == 0 ? signals_seen() : 0; }
+
+static int write_report(run_job *j, const component *components, uint32_t count) {
+  const album_style style = {.folder = j->o->report, .width = 1280, .height = 960,
+                             .yarn = j->s.facts.splits_max != 0,
+                             .asked_to_end = j->signal == 0 ? signals_seen : NULL};
+  if (!album_write(&j->pictures, &style) || (asked_to_end(j) == 0 && !write_plots(j))) return 0;
+  if (asked_to_end(j) != 0)
+    fprintf(stderr, "%s: not all of the report: signal %d ended it\n", j->o->report, asked_to_end(j));
   return write_summary(j, components, count);
 }
 
@@ -351,6 +362,7 @@ static int finish(run_job *j) {
   if (j->o->save != NULL && !save(j)) return 0;
   if (j->o->report != NULL && !write_report(j, components, count)) return 0;
   print_end(j, components, count);
+  if (j->signal == 0) j->signal = signals_seen();
   return 1;
 }
 
@@ -390,7 +402,7 @@ int cmd_run(int argc, char **argv) {
       {"--log", &o.log, NULL, NULL, OPTION_INPUT, 0},
       {"--ticks", NULL, &o.ticks, NULL, 1, UINT32_MAX},
       {"--record", &o.record, NULL, NULL, OPTION_OUTPUT, 0},
-      {"--report", &o.report, NULL, NULL, 0, 0},
+      {"--report", &o.report, NULL, NULL, OPTION_FOLDER, 0},
       {"--save", &o.save, NULL, NULL, OPTION_OUTPUT, 0},
       {"--energy", &o.energy, NULL, NULL, OPTION_OUTPUT, 0},
       {"--instance", NULL, &o.instance, NULL, 0, 7},

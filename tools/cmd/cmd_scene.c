@@ -108,13 +108,16 @@ int cmd_scene(int argc, char **argv) {
     fprintf(stderr, "fray scene: --emit-c '%s', expected a name that C takes\n", array);
     return 2;
   }
+  char named[4096];
+  default_name(file, named, sizeof named);
+  if (output == NULL) {
+    output = named;
+    if (!options_are_apart(argv[0], table, 2, file)) return 2;
+  }
   compile_report report;
   size_t bytes = 0;
   uint8_t *image = world_file_compile(file, &bytes, &report, stderr);
   if (image == NULL) return 2;
-  char named[4096];
-  default_name(file, named, sizeof named);
-  if (output == NULL) output = named;
   const int written = write_image(output, array, image, bytes);
   if (written) {
     print_built(output, bytes, &report);

@@ -83,6 +83,7 @@ typedef struct {
   size_t next;          /* picture to draw */
   size_t in_order;      /* pictures drawn and put on the contact sheet, or left out of it */
   int good;
+  int is_ended;         /* before its last picture */
 } album_job;
 
 /* Whether picture n is one of at most ALBUM_CONTACT_SHEET_MAX, the first and the last among them. */
@@ -97,9 +98,13 @@ static size_t pictures_of(const album_job *k) { return k->a->count * k->kinds; }
 
 static size_t moment_of(const album_job *k, size_t n) { return k->rows ? n % k->a->count : n / k->kinds; }
 
-/* The next picture; pictures_of() where none is left, or one has failed. */
+/* The next picture; pictures_of() where none is left, one has failed, or the album is to end. */
 static size_t take_picture(album_job *k) {
   pthread_mutex_lock(&k->lock);
+  if (k->next < pictures_of(k) && k->style->asked_to_end != NULL && k->style->asked_to_end() != 0) {
+    k->is_ended = 1;
+    k->next = pictures_of(k);
+  }
   const size_t n = k->good && k->next < pictures_of(k) ? k->next++ : pictures_of(k);
   pthread_mutex_unlock(&k->lock);
   return n;
@@ -207,7 +212,7 @@ int album_write(const album *a, const album_style *s) {
   progress_end();
   pthread_cond_destroy(&k.put);
   pthread_mutex_destroy(&k.lock);
-  good = good && write_contact_sheet(&k.contact_sheet, columns, s->folder);
+  good = good && (k.is_ended || write_contact_sheet(&k.contact_sheet, columns, s->folder));
   montage_close(&k.contact_sheet);
   canvas_close(&own);
   return good;

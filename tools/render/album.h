@@ -26,6 +26,7 @@ typedef struct {
   float reach;       /* mm: what the camera frames about the focus */
   int strain;        /* colour by strain */
   int yarn, wire;    /* how the cloth is shown; both: each moment in two pictures */
+  int (*asked_to_end)(void); /* by several threads, before each picture: nonzero: no more; NULL: never */
 } album_style;
 
 void album_open(album *a);
@@ -33,7 +34,8 @@ void album_open(album *a);
 int album_add(album *a, const fray_world *world);
 /* Writes FOLDER/frame_<ticks>.png and FOLDER/sheet.png, which has all of them, or, of more than
  * ALBUM_CONTACT_SHEET_MAX, so many at even steps; makes the folder. With yarns and wires, the wires are
- * FOLDER/wire_<ticks>.png. Returns 1, or 0 after a message to stderr. */
+ * FOLDER/wire_<ticks>.png. Where it was asked to end, the pictures so far and no sheet. Returns 1, or 0 after a
+ * message to stderr. */
 int album_write(const album *a, const album_style *style);
 void album_close(album *a);
 

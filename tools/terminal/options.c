@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#define _POSIX_C_SOURCE 200809L
-
 #include "tools/terminal/options.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
+
+#include "tools/terminal/file_place.h"
 
 static int take_number(const char *command, const option *o, const char *word) {
   char *end;
@@ -31,6 +30,11 @@ static int take_option(int argc, char **argv, int *n, const option *o) {
   }
   const char *word = argv[++*n];
   if (o->number != NULL) return take_number(argv[0], o, word);
+  if (strcmp(word, "-") == 0 && (o->min == OPTION_OUTPUT || o->min == OPTION_FOLDER)) {
+    fprintf(stderr, "fray %s: %s -, expected a name (./- for a file called so): standard output has what is printed\n",
+            argv[0], o->name);
+    return 0;
+  }
   *o->text = word;
   return 1;
 }
@@ -41,17 +45,9 @@ static void complain(const char *command, const char *word, const option *table,
   fprintf(stderr, " --help\n");
 }
 
-/* By its name, or by device and number; devices and pipes may serve twice. */
-static int is_one_file(const char *a, const char *b) {
-  struct stat x, y;
-  const int found = stat(a, &x) == 0 && stat(b, &y) == 0;
-  if (!found) return strcmp(a, b) == 0;
-  return S_ISREG(x.st_mode) && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
-}
-
 static int refuse_output(const char *command, const option *output, const char *what, const char *file) {
-  fprintf(stderr, "fray %s: %s %s is the file of %s %s, expected another one\n", command, output->name, *output->text,
-          what, file);
+  fprintf(stderr, "fray %s: %s %s %s the file of %s %s, expected another one\n", command, output->name, *output->text,
+          output->min == OPTION_FOLDER ? "goes over" : "is", what, file);
   return 0;
 }
 
@@ -59,16 +55,23 @@ static int is_given(const option *o, option_word kind) {
   return o->text != NULL && *o->text != NULL && o->min == (uint32_t)kind;
 }
 
-/* Refuses an output that would go over something else. */
-static int are_apart(const char *command, const option *table, uint32_t count, const char *operand) {
+/* Whether `output` goes over `file`; a folder does over what has a name of its pictures or its summary. */
+static int goes_over(const option *output, const char *file) {
+  if (file_place_is_one(file, *output->text)) return 1;
+  if (!is_given(output, OPTION_FOLDER) || !file_place_is_in(file, *output->text)) return 0;
+  const char *name = file_place_name(file), *dot = strrchr(name, '.');
+  return strcmp(name, "summary.txt") == 0 || (dot != NULL && strcmp(dot, ".png") == 0);
+}
+
+int options_are_apart(const char *command, const option *table, uint32_t count, const char *operand) {
   for (uint32_t k = 0; k < count; ++k) {
     const option *output = &table[k];
-    if (!is_given(output, OPTION_OUTPUT)) continue;
-    if (operand != NULL && is_one_file(operand, *output->text))
-      return refuse_output(command, output, "the input", operand);
+    const int is_folder = is_given(output, OPTION_FOLDER);
+    if (!is_folder && !is_given(output, OPTION_OUTPUT)) continue;
+    if (operand != NULL && goes_over(output, operand)) return refuse_output(command, output, "the input", operand);
     for (uint32_t n = 0; n < count; ++n) {
-      const int clashes = is_given(&table[n], OPTION_INPUT) || (n < k && is_given(&table[n], OPTION_OUTPUT));
-      if (clashes && is_one_file(*table[n].text, *output->text))
+      const int clashes = is_given(&table[n], OPTION_INPUT) || ((n < k || is_folder) && is_given(&table[n], OPTION_OUTPUT));
+      if (clashes && goes_over(output, *table[n].text))
         return refuse_output(command, output, table[n].name, *table[n].text);
     }
   }
@@ -90,5 +93,5 @@ options_result options_parse(int argc, char **argv, const option *table, uint32_
       return OPTIONS_WRONG;
     }
   }
-  return are_apart(argv[0], table, count, *operand) ? OPTIONS_GOOD : OPTIONS_WRONG;
+  return options_are_apart(argv[0], table, count, *operand) ? OPTIONS_GOOD : OPTIONS_WRONG;
 }

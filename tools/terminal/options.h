@@ -6,7 +6,12 @@
 #include <stdint.h>
 
 /* What a word names. */
-typedef enum { OPTION_WORD, OPTION_INPUT, OPTION_OUTPUT } option_word;
+typedef enum {
+  OPTION_WORD,
+  OPTION_INPUT,
+  OPTION_OUTPUT,
+  OPTION_FOLDER /* of pictures, *.png, and summary.txt */
+} option_word;
 
 typedef struct {
   const char *name;   /* "--ticks" */
@@ -19,9 +24,13 @@ typedef struct {
 typedef enum { OPTIONS_GOOD, OPTIONS_HELP, OPTIONS_WRONG } options_result;
 
 /* argv[0] is the command. At most one word that is not an option goes to *operand, which is an input file. An
- * output that is one file with an input or another output is refused. On OPTIONS_WRONG a message is on stderr; on
- * OPTIONS_HELP the caller prints its usage. */
+ * output that is one file with an input or another output is refused, and `-`. On OPTIONS_WRONG a message is on
+ * stderr; on OPTIONS_HELP the caller prints its usage. */
 options_result options_parse(int argc, char **argv, const option *table, uint32_t count,
                              const char **operand);
+
+/* The same for an output that a command names itself. Returns 1, or 0 after a message to stderr. operand: NULL:
+ * none. */
+int options_are_apart(const char *command, const option *table, uint32_t count, const char *operand);
 
 #endif

@@ -7,7 +7,7 @@
 #include <stddef.h>
 #include <string.h>
 
-static const int numbers[] = {SIGHUP, SIGINT, SIGPIPE, SIGTERM};
+static const int numbers[] = {SIGHUP, SIGINT, SIGQUIT, SIGUSR1, SIGUSR2, SIGPIPE, SIGALRM, SIGTERM, SIGXCPU};
 enum { NUMBERS = sizeof numbers / sizeof *numbers, DIE = -1 };
 
 static void (*clean_up)(void);
@@ -47,6 +47,7 @@ static void catch(int is_live) {
 
 void signals_begin(void (*clean)(void)) {
   clean_up = clean;
+  (void)signal(SIGXFSZ, SIG_IGN); /* so that the write says it, and the command which file */
   catch(0);
 }
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Signals that end a command: SIGHUP, SIGINT, SIGPIPE, SIGTERM. Those that the caller of the command ignores stay
- * ignored, in a live run SIGHUP alone (nohup).
+/* Signals that end a command: SIGHUP, SIGINT, SIGQUIT, SIGUSR1, SIGUSR2, SIGPIPE, SIGALRM, SIGTERM, SIGXCPU. Those
+ * that the caller of the command ignores stay ignored, in a live run SIGHUP alone (nohup). SIGXFSZ is ignored: a file
+ * that grows beyond its limit is one that cannot be written.
  *
  * Context: one thread. */
 #ifndef FRAY_TOOLS_TERMINAL_SIGNALS_H
