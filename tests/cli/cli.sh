@@ -226,6 +226,8 @@ sed 's/^  tear .*/&\n  yarns on/' "$small" >"$cd_work/yarns.scene"
 "$FRAY" run "$cd_work/yarns.scene" --ticks 1 --report "$cd_work/yarns" >/dev/null
 "$FRAY" render "$cd_work/yarns.scene" --yarn --at 0s,1ms -o "$cd_work/as_yarns" >/dev/null
 if cmp "$cd_work/yarns/frame_00001.png" "$cd_work/as_yarns/frame_00001.png"; then pass; else fail "a report of a scene with yarns shows a surface"; fi
+"$FRAY" render "$cd_work/yarns.scene" --at 0s,1ms -o "$cd_work/as_ever" >/dev/null
+if cmp "$cd_work/as_ever/frame_00001.png" "$cd_work/as_yarns/frame_00001.png"; then pass; else fail "a render of a scene with yarns shows a surface"; fi
 # a cloth in ten pieces, of which the two smallest are counted
 { sed 's/warps 8/warps 10/' "$small"; for warp in 0 1 2 3 4 5 6 7 8; do echo "slit warp $warp 0 7"; done; } >"$cd_work/strips.scene"
 wants 0 "             and 2 smaller ones" "$FRAY" run "$cd_work/strips.scene" --ticks 1
