@@ -61,6 +61,7 @@ static void print_usage(FILE *out) {
         "                        (with --yarn: two pictures of each moment, frame_ and wire_)\n"
         "  --kernel NAME         scalar, avx2, avx512, neon (default: the fastest; same pictures)\n"
         "  --strain              colour by strain: blue slack, white at rest, red about to tear\n"
+        "                        (membranes by stress; red is 100 N/m where they never tear)\n"
         "  -o DIR                default out/render\n"
         "\n"
         "exit: 0 written, 1 writing failed, 2 wrong use or input\n",
