@@ -226,6 +226,18 @@ sed 's/^  tear .*/&\n  yarns on/' "$small" >"$cd_work/yarns.scene"
 "$FRAY" run "$cd_work/yarns.scene" --ticks 1 --report "$cd_work/yarns" >/dev/null
 "$FRAY" render "$cd_work/yarns.scene" --yarn --at 0s,1ms -o "$cd_work/as_yarns" >/dev/null
 if cmp "$cd_work/yarns/frame_00001.png" "$cd_work/as_yarns/frame_00001.png"; then pass; else fail "a report of a scene with yarns shows a surface"; fi
+"$FRAY" render "$cd_work/yarns.scene" --at 0s,1ms -o "$cd_work/as_ever" >/dev/null
+if cmp "$cd_work/as_ever/frame_00001.png" "$cd_work/as_yarns/frame_00001.png"; then pass; else fail "a render of a scene with yarns shows a surface"; fi
+# --strain of a membrane goes to the strength of its own material; to 100 N/m where it never tears
+for tear in 40 100 none; do
+  { sed 's/columns 30/columns 8/; s/rows 20/rows 8/; s/material denim/material own/' tests/scenes/flag.scene && echo 'material own { base denim' &&
+    { [ $tear = none ] || echo "tear $tear N/m"; } && echo '}'; } >"$cd_work/strained.scene"
+  wants 0 "1 moments and sheet.png in $cd_work/strain$tear, 0 tears" "$FRAY" render "$cd_work/strained.scene" --strain --at 100ms --size 320x240 -o "$cd_work/strain$tear"
+done
+for tear in 100 none; do
+  refutes "colours of a membrane that tears at 40 N/m and at $tear" cmp -s "$cd_work/strain40/frame_00100.png" "$cd_work/strain$tear/frame_00100.png"
+done
+refutes "the legend of a membrane that never tears" cmp -s "$cd_work/strain100/frame_00100.png" "$cd_work/strainnone/frame_00100.png"
 # a cloth in ten pieces, of which the two smallest are counted
 { sed 's/warps 8/warps 10/' "$small"; for warp in 0 1 2 3 4 5 6 7 8; do echo "slit warp $warp 0 7"; done; } >"$cd_work/strips.scene"
 wants 0 "             and 2 smaller ones" "$FRAY" run "$cd_work/strips.scene" --ticks 1

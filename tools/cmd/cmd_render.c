@@ -55,11 +55,13 @@ static void print_usage(FILE *out) {
         "  --size 1280x960       pixels\n"
         "  --view YAW,PITCH      degrees to the right and up (default: chosen from the scene)\n"
         "  --focus X,Y,Z,R       frames a sphere of R cm at X,Y,Z cm (default: all)\n"
-        "  --yarn                yarns as splines that pass over and under each other\n"
+        "  --yarn                yarns as splines that pass over and under each other (default: of\n"
+        "                        scenes with yarns; of others the cloth as a surface)\n"
         "  --wire                springs as lines: magenta, at split crossings cyan\n"
         "                        (with --yarn: two pictures of each moment, frame_ and wire_)\n"
         "  --kernel NAME         scalar, avx2, avx512, neon (default: the fastest; same pictures)\n"
         "  --strain              colour by strain: blue slack, white at rest, red about to tear\n"
+        "                        (membranes by stress; red is 100 N/m where they never tear)\n"
         "  -o DIR                default out/render\n"
         "\n"
         "exit: 0 written, 1 writing failed, 2 wrong use or input\n",
@@ -146,6 +148,11 @@ static int applies(const options *o, const fray_info *f) {
   fprintf(stderr, "fray render: %s draws %s of woven cloth, but %s holds a membrane\n", o->yarn ? "--yarn" : "--wire",
           o->yarn ? "the yarns" : "the springs", o->file);
   return 0;
+}
+
+/* A surface would span the way between the two yarns of a crossing that has split. */
+static void choose_look(options *o, const fray_info *f) {
+  if (f->splits_max != 0 && !o->wire) o->yarn = 1;
 }
 
 /* The nearest; one beyond every end where a double has no number for each. */
@@ -320,6 +327,7 @@ int cmd_render(int argc, char **argv) {
   }
   const int world_file = session_open(&job.s, o.file, o.log, o.key, o.instance);
   if (world_file != 0) return world_file;
+  choose_look(&o, &job.s.facts);
   const int good = applies(&o, &job.s.facts) && kernel_use(job.s.world_file.world, o.kernel);
   const int code = good ? render_world(&job) : EXIT_USAGE;
   session_close(&job.s);

@@ -17,7 +17,7 @@ typedef struct {
   rgb back;    /* the other side's colours are multiplied by this; LOOK_SURFACE only */
   rgb base, split; /* LOOK_WIRE */
   int strain;  /* 1: blue (slack), white (at rest), red (about to be cut) */
-  float stress_full; /* N/m: of membranes, what is red then */
+  float stress_full; /* N/m: what is red then, of membranes that never tear */
 } cloth_style;
 
 cloth_style cloth_style_default(cloth_look look);

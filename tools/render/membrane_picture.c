@@ -28,7 +28,8 @@ static canvas_sample shade(const void *context, const float *a, int front) {
   return (canvas_sample){lighting_shade(k->light, &m, at, normal, normal, towards), 1.0f};
 }
 
-/* Mean of the normals around a vertex, weighted by area; mean of the stresses. */
+/* Mean of the normals around a vertex, weighted by area; mean of the loads: stress over strength, or over `full` in
+ * what never tears. */
 static void gather(const picture_source *s, float full, v3 *normals, float *loads, float *counts) {
   for (uint32_t t = 0; t < s->triangle_count; t++) {
     const picture_triangle *f = s->triangles + t;
@@ -37,7 +38,7 @@ static void gather(const picture_source *s, float full, v3 *normals, float *load
         v3_cross(v3_sub(s->vertices[f->vertex[1]], a), v3_sub(s->vertices[f->vertex[2]], a));
     for (int k = 0; k < 3; k++) {
       normals[f->vertex[k]] = v3_add(normals[f->vertex[k]], n);
-      loads[f->vertex[k]] += f->stress / full;
+      loads[f->vertex[k]] += f->stress / (f->strength > 0.0f ? f->strength : full);
       counts[f->vertex[k]] += 1.0f;
     }
   }

@@ -48,7 +48,7 @@ static void draw_ground(canvas *c, const camera *cam, const lighting *light,
 
 static void draw_strain_key(canvas *c, const char *max) {
   const float unit = fmaxf(1.0f, roundf((float)c->width / 640.0f));
-  const float width = 110.0f * unit, height = 6.0f * unit,
+  const float width = 150.0f * unit, height = 6.0f * unit,
               x = (float)c->width - width - 14.0f * unit;
   const float y = (float)c->height - 30.0f * unit;
   const rgb ink = rgb_hex(0x3A4048);
@@ -62,10 +62,16 @@ static void draw_strain_key(canvas *c, const char *max) {
   font_draw(c, x + width, y + 9.0f * unit, unit, max, ink, FONT_RIGHT);
 }
 
+static int tears(const picture_source *source) {
+  for (uint32_t t = 0; t < source->triangle_count; t++)
+    if (source->triangles[t].strength > 0.0f) return 1;
+  return 0;
+}
+
 static void draw_text(canvas *c, const picture_source *source, const picture_style *style) {
   char max[32] = "tears";
   const float unit = fmaxf(1.0f, roundf((float)c->width / 640.0f));
-  if (source->triangle_count) snprintf(max, sizeof max, "%g N/m", (double)style->cloth.stress_full);
+  if (source->triangle_count && !tears(source)) snprintf(max, sizeof max, "%g N/m", (double)style->cloth.stress_full);
   if (style->cloth.strain) draw_strain_key(c, max);
   if (!style->caption) return;
   /* A light rim: the caption may stand before cloth. */

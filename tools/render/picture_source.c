@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "rt/state/world.h"
+
 uint32_t picture_springs(uint32_t warps, uint32_t wefts) {
   return warps && wefts ? wefts * (warps - 1) + warps * (wefts - 1) : 0;
 }
@@ -129,6 +131,7 @@ static int read_triangles(picture_source *s, const fray_world *world, const fray
     const fray_triangle from = fray_view_triangle(world, t);
     picture_triangle *to = s->triangles + t;
     to->stress = principal(from.stress);
+    to->strength = (float)tear_strength_min(&world->membrane.tear_strengths[from.material]) / 4096.0f;
     for (int k = 0; k < 3; k++) {
       to->vertex[k] = from.vertex[k];
       to->border[k] = from.boundary[k];

@@ -26,6 +26,7 @@ typedef struct {
 typedef struct {
   uint32_t vertex[3];
   float stress;    /* the larger principal one, N/m; < 0: pressed */
+  float strength;  /* N/m: of its material, in its weakest direction; 0: it never tears */
   uint8_t border[3], side[3]; /* of the side opposite each vertex: fray_triangle */
 } picture_triangle;
 

@@ -64,6 +64,7 @@ typedef struct {
   int good;          /* bound held over the whole run */
   int32_t strain_q16;
   int energy_grew;
+  uint32_t faults;
 } trial;
 
 static void mark_idle(const fray_world *w, uint8_t *idle) {
@@ -83,8 +84,11 @@ static void run_trial(fray_world *w, const settle_request *plan, uint8_t *idle, 
   const int64_t pull = (int64_t)pull_x + pull_y + pull_z + 1;
   const int64_t allowance = (int64_t)w->params->particles * (world_has_yarns(w) ? 2 : 1) *
                             (pull * (w->woven.link_classes[1].rest / 2) >> 20);
+  int64_t last = before; /* at the edge of the world cloth stays in place and is still accelerated: no energy */
   for (uint32_t tick = 0; tick < plan->ticks; ++tick) {
     fray_tick(w, &nothing, &out);
+    t->faults |= out.faults;
+    if ((out.faults & FRAY_FAULT_OUT_OF_WORLD) == 0) last = energy(w);
     const int32_t strain = strain_of(largest_elongation(w, idle));
     if (strain > t->strain_q16) t->strain_q16 = strain;
     if (t->strain_q16 >= plan->strain_max_q16) return;
@@ -92,7 +96,7 @@ static void run_trial(fray_world *w, const settle_request *plan, uint8_t *idle, 
       plan->progress(plan->context, (uint32_t)w->params->substeps, (uint32_t)w->params->iterations,
                      tick, plan->ticks);
   }
-  t->energy_grew = energy(w) > before + allowance;
+  t->energy_grew = last > before + allowance;
   t->good = !t->energy_grew;
 }
 
@@ -124,6 +128,7 @@ static void come_to_rest(fray_world *w, const settle_request *plan, const uint8_
   p->drag = fx_max(drag, fx_min(1 << 23, (1 << 24) / p->rate_hz * SETTLE_DRAG));
   for (uint32_t tick = 0; tick < plan->rest_ticks; ++tick) {
     fray_tick(w, &nothing, &out);
+    t->faults |= out.faults;
     slow_bodies(w);
     if (tick % 32 == 0 && plan->progress != NULL)
       plan->progress(plan->context, (uint32_t)p->substeps, (uint32_t)p->iterations, tick,
@@ -162,6 +167,7 @@ static int try_once(const scene *still, const settle_request *plan, uint32_t sub
   t->good = 0;
   t->strain_q16 = 0;
   t->energy_grew = 0;
+  t->faults = 0;
   if (!compile_world(still, plan->file, substeps, iterations, &memory, &w, error)) return 0;
   cpu_use_best(w);
   uint8_t *idle = calloc((size_t)w->params->links, 1);
@@ -186,13 +192,24 @@ static uint32_t next_rung(uint32_t n, const trial *t, const settle_request *plan
   return n;
 }
 
+/* Cloth that is not at rest is strained by its motion, and most where it meets itself. */
+static const char *advise(const scene *s, const settle_request *plan, int crowded, const char *key, char *text,
+                          size_t room) {
+  if (!s->woven.self_collision) return "take a lighter load or a higher rate";
+  snprintf(text, room, "give it %s to 'settle' before%s, or a number of '%s'",
+           plan->rest_ticks > 0 ? "more time" : "time", crowded ? ", more 'self_collision_pairs'" : "", key);
+  return text;
+}
+
 /* No rung was good: the last one says why. */
 static void refuse_trials(const scene *s, const settle_request *plan, const compile_report *report,
                           const trial *t, scene_error *error) {
   const char *key = s->substeps == 0 ? "substeps" : "iterations";
   const exact most = exact_make(plan->strain_max_q16, 65536);
   const int by_tear = exact_compare(most, s->max_rest_strain) < 0;
-  char message[400];
+  const int crowded = (t->faults & FRAY_FAULT_SELF_COLLISION_BUDGET) != 0;
+  char message[sizeof error->message];
+  char advice[160];
   char strain[SOURCE_VALUE];
   char bound[SOURCE_VALUE];
   if (t->energy_grew)
@@ -202,15 +219,17 @@ static void refuse_trials(const scene *s, const settle_request *plan, const comp
              report->substeps, report->iterations, key);
   else
     snprintf(message, sizeof message,
-             "found springs at rest strained by %s or more with %u substeps and %u iterations in the test "
-             "run of "
-             "'%s auto', expected less than %s, %s; take a lighter load or a higher rate",
+             "found springs %sstrained by %s or more with %u substeps and %u iterations in the test "
+             "run of '%s auto'%s, expected less than %s, %s; %s",
+             plan->rest_ticks > 0 ? "at rest " : "",
              source_value(&s->source, BLOCK_SCENE, "max_rest_strain", UNIT_SHARE,
                           exact_make(t->strain_q16, 65536), -1, strain),
              report->substeps, report->iterations, key,
+             crowded ? ", where self-collision ran out of pairs or rounds (SELF_COLLISION_BUDGET)" : "",
              source_value(&s->source, BLOCK_SCENE, "max_rest_strain", UNIT_SHARE,
                           by_tear ? s->woven.tear_min : s->max_rest_strain, 0, bound),
-             by_tear ? "the least strain of 'tear'" : "'max_rest_strain'");
+             by_tear ? "the least strain of 'tear'" : "'max_rest_strain'",
+             advise(s, plan, crowded, key, advice, sizeof advice));
   const int written = source_find(&s->source, BLOCK_SCENE, key) != NULL;
   scene_refuse(error, plan->file,
                written ? source_place(&s->source, BLOCK_SCENE, key) : s->source.block[BLOCK_CLOTH], message);
@@ -221,7 +240,7 @@ int settle_scene(const scene *s, const settle_request *plan, compile_report *rep
   scene *still = malloc(sizeof *still);
   if (still == NULL) return 0;
   still_scene(s, still);
-  trial t = {0, 0, 0};
+  trial t = {0, 0, 0, 0};
   int built = 1;
   uint32_t first = 0;
   const uint32_t min = scene_has_stretch(s) ? yarn_elastic_min_substeps(s) : 1;
