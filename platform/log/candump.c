@@ -318,15 +318,18 @@ int candump_parse_all(const char *file, const char *text, size_t bytes, candump_
   size_t start = 0;
   log->entries = NULL;
   log->count = 0;
+  log->others = 0;
+  log->other_line = 0;
   for (int line = 1; start < bytes; ++line) {
     const char *end = memchr(text + start, '\n', bytes - start);
     const size_t length = end != NULL ? (size_t)(end - text) - start : bytes - start;
     candump_entry entry;
     const int found = candump_parse(text + start, length, line, &entry, error);
+    if (found == 0 && length > 0 && text[start] != ' ' && text[start] != '#' && log->others++ == 0) log->other_line = line;
     int good = found >= 0;
-    if (good && end == NULL) {
+    if (end == NULL) { /* whatever stands there is not all of it */
       good = candump_fail(error, file, line, (int)length + 1,
-                          "found the end of the file, expected a line feed: the log is cut off");
+                          "found the end of the file, expected a line feed: the log is cut off (--cut takes what is whole)");
     }
     if (good && found == 1 && !log_add(log, &room, &entry)) {
       good = candump_fail(error, file, line, 0, "not enough memory for a log of this length");

@@ -51,6 +51,8 @@ typedef struct {
 typedef struct {
   candump_entry *entries; /* in the file's order */
   size_t count;
+  size_t others;  /* lines that are no frames, no comments with `#`, and not blank */
+  int other_line; /* the first of them; 0: none */
 } candump_log;
 
 /* One line without its '\n'. Returns 1: *entry is a frame; 0: nothing in this line; -1: *error

@@ -113,7 +113,7 @@ scene_says 's/-981 0 cm.s2/-981 0 cm/' "6:"
 scene_says 's/warps 8/warps 1025/' "10:9: found '1025', expected 2 to 1024 for 'warps'"
 scene_says 's/wefts 8/wefts 1/' "11:9: found '1', expected 2 to 1024"
 scene_says 's/pin row top/pin crossing 8 0/' "22:1: found a pin at warp 8, weft 0, expected it inside the grid"
-scene_says '/^woven/,/^}/d' "1:1: the scene has no cloth"
+scene_says '/^woven/,/^}/d' "1:1: the scene has no cloth, expected 'woven' or 'membrane': woven { warps 16 wefts 16 spacing 12 /cm }"
 scene_says 's/substeps 8/substeps 129/' "5:10: found '129', expected"
 scene_says 's/substeps 8/substeps eight/' "5:10: found 'eight'"
 scene_says 's/rate 1000 Hz/rate 20 kHz/' "4:6:"
@@ -174,6 +174,12 @@ wants 2 "another version of the image format" "$FRAY" run "$cd_work/version.img"
 wants 0 "hash " "$FRAY" run "$image" --ticks 5 --save "$cd_work/saved.img"
 wants 0 "at tick 5" "$FRAY" info "$cd_work/saved.img"
 
+{ cat "$image" && printf 'four'; } >"$cd_work/tail.img"
+bytes=$(wc -c <"$image")
+wants 0 "tail.img: note: the image ends after $((bytes)) bytes, 4 behind it are not read" "$FRAY" run "$cd_work/tail.img" --ticks 1
+wants 0 "hash " "$FRAY" run "$image" --ticks 1
+refutes "a note on an image of its own length" grep -q "behind it" "$cd_work/said"
+
 # ---- logs
 sed 's/$/\r/' "$log" >"$cd_work/crlf.log"
 wants 2 "crlf.log:1:47: found a carriage return" "$FRAY" run "$image" --log "$cd_work/crlf.log"
@@ -202,6 +208,8 @@ sed 's/command 0.01 s/command 0.8 s/' tests/determinism/small.hand >"$cd_work/ba
 wants 2 "bad.hand:7:9: found '0.8', expected commands before the duration is over" "$FRAY" hand -o "$cd_work/x.log" "$cd_work/bad.hand"
 
 # ---- what a run says of its hands, its cloth and its end
+wants 0 "input        5 frames accepted" "$FRAY" run "$image" --log "$log" --ticks 5
+wants 0 "input        801 frames accepted" "$FRAY" run "$image" --log "$log"
 sed '/^command/d' tests/determinism/small.hand >"$cd_work/still.hand"
 "$FRAY" hand -o "$cd_work/still.log" "$cd_work/still.hand"
 wants 0 "state        ready: the hands never started, no START was accepted" "$FRAY" run "$image" --log "$cd_work/still.log"
@@ -309,8 +317,22 @@ wants 0 "ticks 799 " "$FRAY" run "$image" --log "$cd_work/open.log"
 for bytes in 5000 5021 5050 5071 20000 33333; do
   head -c $bytes "$record" >"$cd_work/cut.log"
   wants 2 "cut.log:" "$FRAY" verify "$cd_work/cut.log" --scene "$image"
+  wants 0 "hash " "$FRAY" run "$image" --log "$cd_work/cut.log" --cut
   wants 0 "verified " "$FRAY" verify "$cd_work/cut.log" --scene "$image" --cut
 done
+# one whose last line is half
+head -c 33333 "$record" >"$cd_work/cut.log"
+for verb in "run $image --log $cd_work/cut.log" "verify $cd_work/cut.log --scene $image" "render $image --log $cd_work/cut.log"; do
+  wants 2 "the log is cut off (--cut takes what is whole)" "$FRAY" $verb
+done
+wants 0 "1 moments" "$FRAY" render "$image" --log "$cd_work/cut.log" --cut --at 1ms --size 64x64 -o "$cd_work/w"
+# lines that are no frames
+sed '3s/^/not a frame\n# a comment\n\nnor this\n/' "$record" >"$cd_work/lines.log"
+wants 0 "lines.log: note: 2 lines are no frames, the first at line 3" "$FRAY" verify "$cd_work/lines.log" --scene "$image"
+wants 0 "lines.log: note: 2 lines are no frames, the first at line 3" "$FRAY" run "$image" --log "$cd_work/lines.log"
+printf 'a text\nof two lines\n' >"$cd_work/text.log"
+wants 2 "text.log:1: is no frame, expected a log of a bus" "$FRAY" verify "$cd_work/text.log" --scene "$image"
+wants 2 "text.log:1: is no frame, expected a log of a bus" "$FRAY" run "$image" --log "$cd_work/text.log"
 line=$(grep -n ' 080#2C010000' "$record" | cut -d: -f1)
 sed "${line}s/.\$/F/" "$record" >"$cd_work/hash.log"
 if cmp -s "$record" "$cd_work/hash.log"; then sed "${line}s/.\$/E/" "$record" >"$cd_work/hash.log"; fi
@@ -318,6 +340,7 @@ wants 1 "tick 299 differs: SYNC at line $line says" "$FRAY" verify "$cd_work/has
 wants 2 "expected a recording" "$FRAY" verify "$log" --scene "$image"
 wants 2 "no SYNC of instance 3" "$FRAY" verify "$record" --scene "$image" --instance 3
 wants 1 "has no FORCE left" "$FRAY" verify "$record" --scene tests/determinism/torn.scene
+wants 1 "r.log starts from another state than tests/determinism/torn.scene: is this the scene of the recording?" "$FRAY" verify "$record" --scene tests/determinism/torn.scene
 sed 's/seed 88/seed 89/' "$small" >"$cd_work/seed.scene"
 wants 1 "differs" "$FRAY" verify "$record" --scene "$cd_work/seed.scene"
 sed 's/density 0.25/density 0.26/' "$small" >"$cd_work/heavy.scene"

@@ -42,7 +42,7 @@ static int print_case(char **word) {
     return 0;
   if (silent.hand >= FRAY_HANDS) return 0;
   const int has_log = word[2][0] != '-';
-  if (session_open(&s, word[1], has_log ? word[2] : NULL, NULL, 0) != 0) return 0;
+  if (session_open(&s, word[1], &(session_log){.file = has_log ? word[2] : NULL}, 0) != 0) return 0;
   print_bytes(word[0], s.world_file.image, s.world_file.image_bytes);
   printf("static const fray_input inputs_%s[%" PRIu32 "] = {\n", word[0], s.log.count + 1);
   for (uint32_t n = 0; n <= s.log.count; ++n) print_input(*session_input(&s, n), n, &silent);

@@ -55,7 +55,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes) {
   if (candump_parse_all("fuzz.log", text, bytes, &log, &error)) {
     for (size_t n = 0; n < log.count; ++n) check_written(&log.entries[n]);
     run_tally.ran += 1;
-    const replay_setting setting = {0, 3, 1000, 0, {0, 0}, (int)(bytes & 1)};
+    const replay_setting setting = {0, 3, 1000, 0, {0, 0}, (int)(bytes & 1), 0};
     replay run;
     if (log.count != 0 && is_short(&log) && replay_read("fuzz.log", &log, &setting, &run, &error))
       replay_free(&run);

@@ -242,7 +242,7 @@ static void recordings_across(void) {
     candump_error error;
     replay run;
     const uint64_t start = wraps[k] - 10;
-    const replay_setting setting = {0, f.facts.hands, f.facts.rate_hz, start, {0, 0}, 0};
+    const replay_setting setting = {0, f.facts.hands, f.facts.rate_hz, start, {0, 0}, 0, 0};
     record_run(&f, start, &r);
     CHECK(candump_parse_all("run", r.text, r.bytes, &log, &error));
     const int good = replay_read("run", &log, &setting, &run, &error);

@@ -156,7 +156,7 @@ static void two_hands_tear_at_the_grips_and_only_what_is_overstretched(void) {
   memset(&s, 0, sizeof s);
   candump_log log;
   candump_error error;
-  const replay_setting setting = {0, f.facts.hands, f.facts.rate_hz, 0, {0, 0}, 0};
+  const replay_setting setting = {0, f.facts.hands, f.facts.rate_hz, 0, {0, 0}, 0, 0};
   if (!candump_load("tests/scenes/two_hands.log", &log, &error) ||
       !replay_read("tests/scenes/two_hands.log", &log, &setting, &s.log, &error))
     fixture_give_up("tests/scenes/two_hands.log", "cannot be read");

@@ -29,7 +29,7 @@ static inline void session_end_log(session *s, candump_log *log) {
 }
 
 static inline int session_read_replay(const session *s, const candump_log *log, replay *r, candump_error *error) {
-  const replay_setting setting = {0, s->f.facts.hands, s->f.facts.rate_hz, s->f.facts.tick, {0, 0}, 0};
+  const replay_setting setting = {0, s->f.facts.hands, s->f.facts.rate_hz, s->f.facts.tick, {0, 0}, 0, 0};
   memset(error, 0, sizeof *error);
   return replay_read("sim", log, &setting, r, error);
 }

@@ -211,8 +211,15 @@ static void whole_logs(void) {
   CHECK_TEXT(error.file, "x.log");
   CHECK_EQ_INT(error.line, 4);
   CHECK_EQ_INT(error.column, 24);
-  CHECK_TEXT(error.message, "found the end of the file, expected a line feed: the log is cut off");
+  CHECK_TEXT(error.message, "found the end of the file, expected a line feed: the log is cut off (--cut takes what is whole)");
+  static const char OTHERS[] = "no frame\n# comment\n   \n\n(2.000000) vcan0 101#01\nnor this\n";
+  CHECK(candump_parse_all("x.log", OTHERS, sizeof OTHERS - 1, &log, &error));
+  CHECK_EQ_INT(log.count, 1);
+  CHECK_EQ_INT(log.others, 2);
+  CHECK_EQ_INT(log.other_line, 1);
+  candump_free(&log);
   CHECK(candump_parse_all("x.log", "", 0, &log, &error));
+  CHECK_EQ_INT(log.others, 0);
   CHECK_EQ_INT(log.count, 0);
   CHECK(!candump_load("no/such.log", &log, &error));
   CHECK_TEXT(error.message, "cannot be opened: No such file or directory");

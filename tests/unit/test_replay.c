@@ -29,7 +29,7 @@ static const char *const GOOD[LINES] = {
 
 static replay run;
 static candump_error error;
-static const replay_setting LEFT = {0, 1, 1000, 0, {0, 0}, 0};
+static const replay_setting LEFT = {0, 1, 1000, 0, {0, 0}, 0, 0};
 
 static int read_text(const char *text, const replay_setting *setting) {
   candump_log log;
@@ -125,7 +125,7 @@ static void equal_syncs(void) {
 
 /* Cut behind the FORCE of tick 2; then before it: tick 1 is closed by the SYNC of tick 2. */
 static void without_a_closing_sync(void) {
-  static const replay_setting CUT = {0, 1, 1000, 0, {0, 0}, 1};
+  static const replay_setting CUT = {0, 1, 1000, 0, {0, 0}, 1, 0};
   char text[LINES * 64] = "";
   for (int n = 0; n < LINES - 1; ++n) {
     strcat(text, GOOD[n]);
@@ -144,7 +144,7 @@ static void without_a_closing_sync(void) {
 
 /* A FORCE that follows the next SYNC is cut off with what is behind it. */
 static void cut_before_a_late_force(void) {
-  static const replay_setting CUT = {0, 1, 1000, 0, {0, 0}, 1};
+  static const replay_setting CUT = {0, 1, 1000, 0, {0, 0}, 1, 0};
   char text[LINES * 64] = "";
   for (int n = 0; n < 11; ++n) {
     if (n == 8) continue;
@@ -243,7 +243,7 @@ static void the_next_round_of_counters_is_no_substitute(void) {
 }
 
 static void from_a_save(void) {
-  const replay_setting setting = {0, 1, 1000, 0, {3, 0}, 0};
+  const replay_setting setting = {0, 1, 1000, 0, {3, 0}, 0, 0};
   static const char TEXT[] =
       "(1.002000) vcan0 080#0200000022222222\n"
       "(1.002100) vcan0 181#AC32000000000000\n"

@@ -66,7 +66,7 @@ static void record_session(uint32_t disorder, uint32_t before) {
 }
 
 static void is_found(void) {
-  static const replay_setting LEFT = {0, 1, 1000, 0, {0, 0}, 0};
+  static const replay_setting LEFT = {0, 1, 1000, 0, {0, 0}, 0, 0};
   replay run;
   candump_error error;
   const int good = replay_read("r.log", &log_of_bus, &LEFT, &run, &error);

@@ -153,7 +153,7 @@ static int bench_session(const char *name, const session *s, const wishes *wish,
 
 static int bench_scene(const wishes *wish, sinks *to) {
   session s;
-  int code = session_open(&s, wish->scene, wish->log, wish->key, 0);
+  int code = session_open(&s, wish->scene, &(session_log){.file = wish->log, .key = wish->key}, 0);
   if (code != 0) return code;
   machine_print(stdout);
   uint32_t ticks = wish->log != NULL ? s.log.count : SCENE_TICKS;

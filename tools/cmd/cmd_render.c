@@ -27,7 +27,7 @@ typedef struct {
   uint32_t frames;     /* 0: not given */
   float yaw, pitch;
   float focus[4];      /* cm: a point and a radius */
-  int has_view, has_focus, strain, yarn, wire;
+  int has_view, has_focus, strain, yarn, wire, cut;
 } options;
 
 typedef struct {
@@ -46,6 +46,7 @@ static void print_usage(FILE *out) {
         "sheet of at most 48 of them, at even intervals.\n"
         "\n"
         "  --log IN.log          the inputs: a device log or a recording (candump -L)\n"
+        "  --cut                 the log was cut off: takes what of it is whole\n"
         "  --key FILE            the key of an authenticated recording\n"
         "  --instance N          which runtime in the log, 0 to 7 (default 0)\n"
         "  --at 0.5s,1s,2500ms   times of the pictures\n"
@@ -308,7 +309,8 @@ int cmd_render(int argc, char **argv) {
       {"--view", &view, NULL, NULL, 0, 0},  {"--strain", NULL, NULL, &o.strain, 0, 0},
       {"--yarn", NULL, NULL, &o.yarn, 0, 0}, {"--wire", NULL, NULL, &o.wire, 0, 0},
       {"-o", &o.folder, NULL, NULL, OPTION_FOLDER, 0},  {"--key", &o.key, NULL, NULL, OPTION_INPUT, 0},
-      {"--kernel", &o.kernel, NULL, NULL, 0, 0}};
+      {"--kernel", &o.kernel, NULL, NULL, 0, 0},
+      {"--cut", NULL, NULL, &o.cut, 0, 0}};
   const options_result wish =
       options_parse(argc, argv, table, sizeof table / sizeof table[0], &o.file);
   if (wish == OPTIONS_HELP) {
@@ -325,7 +327,8 @@ int cmd_render(int argc, char **argv) {
     fprintf(stderr, "fray render: --key goes with --log\n");
     return EXIT_USAGE;
   }
-  const int world_file = session_open(&job.s, o.file, o.log, o.key, o.instance);
+  const session_log log = {.file = o.log, .key = o.key, .cut = o.cut};
+  const int world_file = session_open(&job.s, o.file, &log, o.instance);
   if (world_file != 0) return world_file;
   choose_look(&o, &job.s.facts);
   const int good = applies(&o, &job.s.facts) && kernel_use(job.s.world_file.world, o.kernel);

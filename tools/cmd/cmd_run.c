@@ -30,7 +30,7 @@ enum { DEFAULT_TICKS = 1000, PICTURES = 8, PATH_ROOM = 1024, PRIORITY = 80, COMP
 typedef struct {
   const char *file, *log, *record, *report, *save, *energy, *can;
   uint32_t ticks, instance, priority, cpu, workers;
-  int realtime;
+  int realtime, cut;
   const char *kernel;
   bus_key_options key;
 } run_options;
@@ -59,6 +59,7 @@ static void print_usage(FILE *out) {
           "Steps a world. Its inputs are the POSE and COMMAND frames of a log: a device log, by\n"
           "their times, or a recording, by its SYNCs.\n\n"
           "  --log FILE       inputs (candump -L); without it nothing moves the hands\n"
+          "  --cut            the log was cut off: takes what of it is whole\n"
           "  --ticks N        how many ticks (default: the log's, or %d)\n"
           "  --record FILE    writes the bus as a candump log that `fray verify` accepts\n"
           "  --report DIR     pictures, plots of forces and work, summary.txt\n"
@@ -367,7 +368,8 @@ static int finish(run_job *j) {
 }
 
 static int run_all(run_job *j) {
-  const int code = session_open(&j->s, j->o->file, j->o->log, j->o->key.file, j->o->instance);
+  const session_log log = {j->o->log, j->o->key.file, j->o->cut, j->o->ticks};
+  const int code = session_open(&j->s, j->o->file, &log, j->o->instance);
   if (code != 0) return code;
   if (!kernel_use(j->s.world_file.world, j->o->kernel)) {
     session_close(&j->s);
@@ -409,6 +411,7 @@ int cmd_run(int argc, char **argv) {
       {"--can", &o.can, NULL, NULL, 0, 0},       {"--realtime", NULL, NULL, &o.realtime, 0, 0},
       {"--priority", NULL, &o.priority, NULL, 1, 99},
       {"--kernel", &o.kernel, NULL, NULL, 0, 0},
+      {"--cut", NULL, NULL, &o.cut, 0, 0},
       {"--cpu", NULL, &o.cpu, NULL, 0, 1023},
       {"--workers", NULL, &o.workers, NULL, 0, FRAY_WORKERS_MAX},
       {"--key", &o.key.file, NULL, NULL, OPTION_INPUT, 0},

@@ -7,11 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "platform/files/input_file.h"
 #include "tools/world/world_workers.h"
 #include "tools/world/kernel.h"
 #include "tools/world/world_file.h"
 #include "tools/terminal/options.h"
+#include "rt/wire/codec.h"
+#include "tools/recording/log_file.h"
 #include "tools/recording/replay.h"
 #include "tools/recording/unseal.h"
 #include "tools/recording/verify.h"
@@ -51,10 +52,20 @@ static void print_usage(FILE *out) {
         out);
 }
 
+/* Whether the first SYNC has another hash than the world before its first tick. */
+static int starts_elsewhere(const candump_log *log, uint32_t instance, uint64_t hash) {
+  codec_sync sync;
+  for (size_t n = 0; n < log->count; ++n)
+    if (codec_decode_sync(&log->entries[n].frame, instance, &sync) == CODEC_OK)
+      return sync.hash != (uint32_t)(hash & 0xFFFFFFFFu);
+  return 0;
+}
+
 static int verify_world(const options *o, candump_log *log, struct world_file *world_file) {
   static world_workers w;
   const verify_recording of = {o->log_file, log, o->instance, o->cut};
   const fray_info facts = fray_get_info(world_file->world);
+  const int elsewhere = starts_elsewhere(log, o->instance, fray_hash(world_file->world));
   if (!replay_is_recording(log, o->instance)) {
     fprintf(stderr, "%s: no SYNC of instance %" PRIu32 ", expected a recording\n", o->log_file,
             o->instance);
@@ -64,26 +75,15 @@ static int verify_world(const options *o, candump_log *log, struct world_file *w
   if (!world_workers_open(&w, world_file->world, o->workers, WORKERS_ANY_CPU)) return EXIT_USAGE;
   const int same = verify_run(&of, world_file->world, &w.group, stdout, stderr);
   world_workers_close(&w);
+  if (!same && elsewhere)
+    fprintf(stderr, "%s starts from another state than %s: is this the scene of the recording?\n", o->log_file,
+            o->scene_file);
   return same ? EXIT_SAME : EXIT_DIFFERS;
-}
-
-/* Like candump_load(), for a file that may end anywhere. */
-static int load_cut(const options *o, candump_log *log, candump_error *error) {
-  size_t bytes = 0;
-  uint8_t *text = world_file_read(o->log_file, INPUT_FILE_LOG_MAX, &bytes, stderr);
-  if (text == NULL) return candump_fail(error, o->log_file, 0, 0, "expected a log");
-  const char *gap = strstr((const char *)text, "\n" CANDUMP_GAP);
-  if (gap != NULL) bytes = (size_t)(gap + 1 - (const char *)text);
-  while (bytes > 0 && text[bytes - 1] != '\n') --bytes;
-  const int good = candump_parse_all(o->log_file, (const char *)text, bytes, log, error);
-  free(text);
-  return good;
 }
 
 int cmd_verify(int argc, char **argv) {
   options o;
   candump_log log;
-  candump_error error;
   struct world_file world_file;
   memset(&o, 0, sizeof o);
   o.workers = 1;
@@ -102,10 +102,7 @@ int cmd_verify(int argc, char **argv) {
   if (wish == OPTIONS_GOOD && (o.log_file == NULL || o.scene_file == NULL))
     fprintf(stderr, "fray verify: expected a recording and --scene; fray verify --help tells more\n");
   if (wish == OPTIONS_WRONG || o.log_file == NULL || o.scene_file == NULL) return EXIT_USAGE;
-  if (!(o.cut ? load_cut(&o, &log, &error) : candump_load(o.log_file, &log, &error))) {
-    candump_print_error(stderr, &error);
-    return EXIT_USAGE;
-  }
+  if (!log_file_load(o.log_file, o.cut, &log, stderr)) return EXIT_USAGE;
   int code = world_file_open(o.scene_file, &world_file, stderr);
   if (code == 0) {
     code = kernel_use(world_file.world, o.kernel) ? verify_world(&o, &log, &world_file) : EXIT_USAGE;

@@ -67,6 +67,7 @@ typedef struct {
   uint8_t consumed[FRAY_HANDS]; /* the world's last consumed counters before the first tick */
   int cut;                      /* recording: it may end anywhere; ticks without a FORCE or a SYNC behind them
                                    are left out at its end */
+  uint32_t counted;             /* device log: `port` and `absent` count those of so many ticks; 0: of all */
 } replay_setting;
 
 /* The number with these low 32 bits, which is all that a SYNC carries, that is nearest to `near`. */

@@ -40,6 +40,7 @@ int replay_read_device(replay_reader *r) {
   port *p = malloc(sizeof *p);
   if (p == NULL) return candump_fail(r->error, r->file, 0, 0, "not enough memory");
   port_init(p, r->setting->instance, r->setting->hands, r->setting->consumed);
+  const uint32_t counted = r->setting->counted != 0 ? r->setting->counted : out->count;
   size_t at = 0;
   int64_t now = 0;
   for (uint32_t n = 0; n < out->count; ++n) {
@@ -47,12 +48,12 @@ int replay_read_device(replay_reader *r) {
       const int64_t tick = tick_at(r, r->log->entries[at].time_us, now);
       if (tick > (int64_t)n) break;
       now = tick;
-      count_absent(r, &r->log->entries[at].frame);
+      if (n < counted) count_absent(r, &r->log->entries[at].frame);
       port_push(p, &r->log->entries[at].frame);
     }
     port_take(p, &out->ticks[n].input);
+    if (n < counted) out->port = p->statistics;
   }
-  out->port = p->statistics;
   free(p);
   return 1;
 }

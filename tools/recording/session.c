@@ -4,17 +4,16 @@
 #include <inttypes.h>
 #include <string.h>
 
+#include "tools/recording/log_file.h"
 #include "tools/recording/unseal.h"
 
-static int read_log(session *s, const char *file, const char *path, const char *key) {
+static int read_log(session *s, const char *file, const session_log *from) {
+  const char *path = from->file;
   candump_log log;
   candump_error error;
   memset(&error, 0, sizeof error);
-  if (!candump_load(path, &log, &error)) {
-    candump_print_error(stderr, &error);
-    return 0;
-  }
-  if (!unseal_log(path, &log, key, s->instance, s->facts.hands, stderr)) {
+  if (!log_file_load(path, from->cut, &log, stderr)) return 0;
+  if (!unseal_log(path, &log, from->key, s->instance, s->facts.hands, stderr)) {
     candump_free(&log);
     return 0;
   }
@@ -23,7 +22,8 @@ static int read_log(session *s, const char *file, const char *path, const char *
                                   s->facts.rate_hz,
                                   s->facts.tick,
                                   {s->facts.consumed[0], s->facts.consumed[1]},
-                                  1};
+                                  1,
+                                  from->ticks};
   int good = replay_read(path, &log, &setting, &s->log, &error);
   candump_free(&log);
   if (!good) {
@@ -41,14 +41,13 @@ static int read_log(session *s, const char *file, const char *path, const char *
   return good;
 }
 
-int session_open(session *s, const char *file, const char *log, const char *key,
-                 uint32_t instance) {
+int session_open(session *s, const char *file, const session_log *log, uint32_t instance) {
   memset(s, 0, sizeof *s);
   s->instance = instance;
   const int code = world_file_open(file, &s->world_file, stderr);
   if (code != 0) return code;
   s->facts = fray_get_info(s->world_file.world);
-  if (log != NULL && !read_log(s, file, log, key)) {
+  if (log->file != NULL && !read_log(s, file, log)) {
     world_file_close(&s->world_file);
     return 2;
   }

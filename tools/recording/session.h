@@ -13,11 +13,16 @@ typedef struct {
   uint32_t instance;
 } session;
 
-/* Opens a scene or image, and its log if `log` is not NULL; `key` is the key file of an
- * authenticated recording, or NULL. Returns 0, or 2 (the exit code) after a message to stderr; the session is
+typedef struct {
+  const char *file; /* NULL: none */
+  const char *key;  /* file of the key of an authenticated recording, or NULL */
+  int cut;          /* it may end anywhere: log_file_load() */
+  uint32_t ticks;   /* of a device log: counts of frames are those of so many ticks; 0: all */
+} session_log;
+
+/* Opens a scene or image, and its log. Returns 0, or 2 (the exit code) after a message to stderr; the session is
  * then closed. */
-int session_open(session *s, const char *file, const char *log, const char *key,
-                 uint32_t instance);
+int session_open(session *s, const char *file, const session_log *log, uint32_t instance);
 /* The input of the n-th tick; empty after the end of the log. */
 const fray_input *session_input(const session *s, uint64_t n);
 void session_close(session *s);

@@ -179,7 +179,7 @@ static void note_cut(const verifier *v, FILE *notes) {
 int verify_run(const verify_recording *of, fray_world *world, workers_group *group, FILE *out, FILE *notes) {
   const fray_info facts = fray_get_info(world);
   const replay_setting setting = {of->instance, facts.hands, facts.rate_hz, facts.tick,
-                                  {facts.consumed[0], facts.consumed[1]}, of->cut};
+                                  {facts.consumed[0], facts.consumed[1]}, of->cut, 0};
   verifier v = {.of = of, .out = out, .world = world, .group = group, .hash = fray_hash(world)};
   candump_error error;
   note_physics(of, notes);

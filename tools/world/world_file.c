@@ -117,6 +117,10 @@ int world_file_open_image(const char *path, struct world_file *o, FILE *err) {
   status = fray_open(o->image, o->image_bytes, o->memory, o->memory_bytes, &o->world, &error);
   if (status != FRAY_OK) return fail_image(path, status, &error, err);
   note_physics(path, o->world, err);
+  const size_t used = fray_save_bytes(o->world);
+  if (used < o->image_bytes)
+    fprintf(err, "%s: note: the image ends after %zu bytes, %zu behind it are not read\n", path, used,
+            o->image_bytes - used);
   cpu_use_best(o->world);
   return 0;
 }
