@@ -325,7 +325,8 @@ int candump_parse_all(const char *file, const char *text, size_t bytes, candump_
     const size_t length = end != NULL ? (size_t)(end - text) - start : bytes - start;
     candump_entry entry;
     const int found = candump_parse(text + start, length, line, &entry, error);
-    if (found == 0 && length > 0 && text[start] != ' ' && text[start] != '#' && log->others++ == 0) log->other_line = line;
+    if (found == 0 && length > 0 && text[start] != ' ' && text[start] != '#' && log->others++ == 0)
+      log->other_line = line;
     int good = found >= 0;
     if (end == NULL) { /* whatever stands there is not all of it */
       good = candump_fail(error, file, line, (int)length + 1,

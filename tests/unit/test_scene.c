@@ -267,7 +267,8 @@ static void names_what_is_wrong(void) {
 }
 
 static void checks_the_cloth(void) {
-  check_fails("scene s\n", 1, 1, "the scene has no cloth, expected 'woven' or 'membrane': woven { warps 16 wefts 16 spacing 12 /cm }");
+  check_fails("scene s\n", 1, 1, "the scene has no cloth, expected 'woven' or 'membrane': "
+                                  "woven { warps 16 wefts 16 spacing 12 /cm }");
   check_fails(WOVEN, 1, 1, "the scene has no 'scene', expected one");
   check_fails("", 1, 1, "the scene has no 'scene', expected one");
   check_fails("scene s\n\n woven { warps 8 wefts 6 }\n", 3, 2,

@@ -171,7 +171,8 @@ static int check_cloth(parser *p, const block_seen *seen) {
                        "found 'membrane' beside 'woven', expected one cloth in a scene; see line %d",
                        block_place(&scene_rule, seen, "woven").line);
   if (!p->out->woven.present && membrane.line == 0)
-    return parser_fail(p, first, "the scene has no cloth, expected 'woven' or 'membrane': woven { warps 16 wefts 16 spacing 12 /cm }");
+    return parser_fail(p, first, "the scene has no cloth, expected 'woven' or 'membrane': "
+                                 "woven { warps 16 wefts 16 spacing 12 /cm }");
   return 1;
 }
 
