@@ -28,13 +28,13 @@ static inline wide_number wide_sub(wide_number a, wide_number b) {
 static inline int wide_is_negative(wide_number a) { return a.whole < 0; }
 
 /* v 2^s; s: 0..63. Bits above are lost. */
-static inline wide_number wide_shift_up(wide_number v, unsigned s) {
+FX_WRAPS static inline wide_number wide_shift_up(wide_number v, unsigned s) {
   if (s == 0) return v;
   const wide_number up = {(int64_t)((uint64_t)v.whole << s | v.part >> (64u - s)), v.part << s};
   return up;
 }
 /* v 2^-s, rounded down; s: 0..127. */
-static inline wide_number wide_shift_down(wide_number v, unsigned s) {
+FX_WRAPS static inline wide_number wide_shift_down(wide_number v, unsigned s) {
   if (s == 0) return v;
   if (s >= 64u) {
     const wide_number low = {fx_asr64(v.whole, 63), (uint64_t)fx_asr64(v.whole, s - 64u)};
@@ -59,7 +59,7 @@ FX_WRAPS static inline wide_number wide_product(int64_t a, int64_t b, unsigned b
   return bits >= 64u ? wide_shift_down(product, bits - 64u) : wide_shift_up(product, 64u - bits);
 }
 /* v 2^-bits; bits: 1..63. */
-static inline wide_number wide_of(int64_t v, unsigned bits) {
+FX_WRAPS static inline wide_number wide_of(int64_t v, unsigned bits) {
   const wide_number a = {fx_asr64(v, bits), (uint64_t)v << (64u - bits)};
   return a;
 }
@@ -69,7 +69,7 @@ static inline wide_number wide_times(wide_number v, int64_t by, unsigned bits) {
                   wide_product((int64_t)(v.part >> 1), by, bits + 63u));
 }
 /* v / n, towards zero; n: 1..2^31 - 1. */
-static inline wide_number wide_over(wide_number v, uint32_t n) {
+FX_WRAPS static inline wide_number wide_over(wide_number v, uint32_t n) {
   const int negative = wide_is_negative(v);
   const wide_number a = negative ? wide_negated(v) : v;
   const uint64_t whole = (uint64_t)a.whole;
@@ -79,7 +79,7 @@ static inline wide_number wide_over(wide_number v, uint32_t n) {
   return negative ? wide_negated(q) : q;
 }
 /* In steps of 2^-bits, to nearest, saturated; bits: 1..62. */
-static inline int64_t wide_rounded(wide_number v, unsigned bits) {
+FX_WRAPS static inline int64_t wide_rounded(wide_number v, unsigned bits) {
   const wide_number half = {0, (uint64_t)1 << (63u - bits)};
   const wide_number sum = wide_add(v, half);
   const int64_t most = (int64_t)1 << (62u - bits);

@@ -27,7 +27,7 @@ static inline vec3 energy_velocity(const fray_world *w, uint32_t p) {
   return vec_clamp64(sum, MOST);
 }
 
-/* Mass of a particle, Q20 of particle_mass_ng. */
+/* Mass of a particle, Q20 of particle_mass_ng, at most 1,024 of it. */
 enum { ENERGY_MASS_BITS = 20 };
 int64_t energy_mass(const fray_world *w, uint32_t p);
 #endif

@@ -18,7 +18,8 @@ int64_t energy_mass(const fray_world *w, uint32_t p) {
   FRAY_ASSERT(p < w->p.count);
   if (!world_has_membrane(w)) return (int64_t)particle_half_masses(w, p) << (ENERGY_MASS_BITS - 1);
   const int64_t unit = w->membrane.constants->mass_unit;
-  return (((int64_t)w->trimesh.mass[p] << ENERGY_MASS_BITS) + unit / 2) / unit;
+  return fx_clamp64((((int64_t)w->trimesh.mass[p] << ENERGY_MASS_BITS) + unit / 2) / unit, 0,
+                    1 << 30);
 }
 
 /* Sums of m v^2, m v and m x: whole and part of 32 bits. */
@@ -39,8 +40,7 @@ static void add_particle(const fray_world *w, uint32_t p, motion_sums *s) {
   const int32_t speed[3] = {v.x, v.y, v.z};
   const int32_t at[3] = {w->p.x[p], w->p.y[p], w->p.z[p]};
   const int8_t rest[3] = {w->p.rx[p], w->p.ry[p], w->p.rz[p]};
-  FRAY_ASSERT(mass > 0 && mass <= INT32_MAX);
-  /* a mass is below 2^31 */
+  FRAY_ASSERT(mass >= 0 && mass <= 1 << 30); /* so that its products fit */
   add_sum(&s->squares, (squared >> 32) * mass, 2u * FX_VELOCITY_BITS + ENERGY_MASS_BITS - 32u);
   s->squares =
       wide_add(s->squares, wide_shift_down(wide_of((squared & UINT32_MAX) * mass, 63),

@@ -18,10 +18,15 @@ void membrane_step_run(fray_world *w, uint32_t substep); /* elastic steps; as pa
 void edge_limit_apply(fray_world *w);                    /* shortens edges that are far too long */
 
 /* Parts of these. */
-void membrane_impulses_now(fray_world *w); /* of an elastic step that begins here: stress and bending */
 void bend_prepare(fray_world *w);       /* of membrane_gains_update(): constants of the hinges */
 void membrane_force_add(fray_world *w); /* of an elastic step: impulses of stress */
 void bend_force_add(fray_world *w);     /* and of bending */
+
+#if FRAY_ENERGY
+/* Impulses of stress and bending, as of an elastic step that begins here: for the energy ledger. Uses the
+ * arrays of the steps, which begin anew. */
+void membrane_impulses_now(fray_world *w);
+#endif
 
 /* Stiffness that triangle t keeps, Q30 of 0..1: less than 1 where a tear or a cut left it too low for the
  * elastic steps. */

@@ -150,6 +150,7 @@ static void end_steps(fray_world *w) {
   if (at_edge != 0) world_fault(w, FRAY_FAULT_OUT_OF_WORLD);
 }
 
+#if FRAY_ENERGY
 void membrane_impulses_now(fray_world *w) {
   const fray_work work = w->work;
   FRAY_ASSERT(world_has_membrane(w));
@@ -159,6 +160,7 @@ void membrane_impulses_now(fray_world *w) {
   if (w->membrane.constants->bend_every != 0) bend_force_add(w);
   w->work = work;
 }
+#endif
 
 void membrane_step_run(fray_world *w, uint32_t substep) {
   const int32_t steps = w->membrane.constants->steps;
