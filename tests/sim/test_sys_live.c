@@ -83,6 +83,7 @@ static void at_any_rate(void) {
 }
 
 int main(void) {
+  for (int n = 0; n < SIGNALS; ++n) (void)signal(signal_numbers[n], SIG_DFL); /* whatever nohup left ignored */
   TEST(prepare);
   TEST(under_force);
   TEST(at_any_rate);
