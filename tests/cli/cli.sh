@@ -173,6 +173,14 @@ wants 2 "another version of the image format" "$FRAY" run "$cd_work/version.img"
 "$FRAY" info "$cd_work/field.img" >/dev/null 2>&1 || wants 2 "section 1" "$FRAY" info "$cd_work/field.img"
 wants 0 "hash " "$FRAY" run "$image" --ticks 5 --save "$cd_work/saved.img"
 wants 0 "at tick 5" "$FRAY" info "$cd_work/saved.img"
+wants 0 "fastest      " "$FRAY" run "$image" --ticks 5 --energy "$cd_work/energy.csv"
+if awk -F, 'NR == 1 { columns = NF } NF != columns { exit 1 } END { exit NR != 6 }' "$cd_work/energy.csv"; then
+  pass
+else
+  fail "energy.csv has no head and a line a tick, all with the same columns"
+fi
+wants 1 "cannot be written" "$FRAY" run "$image" --ticks 3 --energy "$cd_work/no/such.csv"
+wants 2 "excludes" "$FRAY" run "$image" --can vcan9 --energy "$cd_work/energy.csv"
 
 { cat "$image" && printf 'four'; } >"$cd_work/tail.img"
 bytes=$(wc -c <"$image")

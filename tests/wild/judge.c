@@ -188,19 +188,21 @@ static void judge_energy(judged *j, uint32_t tick, judge_result *r) {
   const fray_info *f = &j->watched.facts;
   const fray_energy_account a = fray_energy(j->watched.w);
   const double unit = energy_table_unit(f);
-  double open = -(double)a.begun;
+  uint64_t open = 0 - (uint64_t)a.begun; /* sums of large rows are exact in integers alone */
   double elastic = 0;
   double supplied = 0;
-  for (uint32_t n = 0; n < FRAY_ENERGY_STORES; ++n) open += (double)a.stored[n];
+  for (uint32_t n = 0; n < FRAY_ENERGY_STORES; ++n) open += (uint64_t)a.stored[n];
   for (uint32_t n = FRAY_STORED_STRETCH; n <= FRAY_STORED_YARNS; ++n)
     elastic += (double)a.stored[n];
   for (uint32_t n = 0; n < FRAY_ENERGY_SUPPLIES; ++n) {
-    open -= (double)a.supplied[n];
+    open -= (uint64_t)a.supplied[n];
     supplied += fabs((double)a.supplied[n]);
   }
-  for (uint32_t n = 0; n < FRAY_ENERGY_STAGES; ++n) open -= (double)a.made[n] - (double)a.lost[n];
-  if (fabs(open) > FRAY_ENERGY_ROUNDING)
-    find(r, JUDGE_CLOSES, tick, fabs(open) * unit, FRAY_ENERGY_ROUNDING * unit);
+  for (uint32_t n = 0; n < FRAY_ENERGY_STAGES; ++n)
+    open -= (uint64_t)a.made[n] - (uint64_t)a.lost[n];
+  const double is_open = fabs((double)(int64_t)open);
+  if (is_open > FRAY_ENERGY_ROUNDING)
+    find(r, JUDGE_CLOSES, tick, is_open * unit, FRAY_ENERGY_ROUNDING * unit);
   if (tick == 0) j->begun = (elastic + fabs((double)a.stored[FRAY_STORED_BODIES])) * unit;
   const double moving = (double)a.stored[FRAY_STORED_KINETIC] * unit;
   j->turned = fmax(j->turned, j->begun + (supplied + fabs((double)a.gravity)) * unit);

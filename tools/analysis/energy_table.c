@@ -21,32 +21,36 @@ void energy_table_head(FILE *out) {
   for (uint32_t n = 0; n < FRAY_ENERGY_STORES; ++n) fprintf(out, ",%s", STORES[n]);
   fprintf(out, ",gravity");
   for (uint32_t n = 0; n < FRAY_ENERGY_SUPPLIES; ++n) fprintf(out, ",%s", SUPPLIES[n]);
-  for (uint32_t n = 0; n < FRAY_ENERGY_STAGES; ++n) fprintf(out, ",%s_made,%s_lost", STAGES[n], STAGES[n]);
+  for (uint32_t n = 0; n < FRAY_ENERGY_STAGES; ++n)
+    fprintf(out, ",%s_made,%s_lost", STAGES[n], STAGES[n]);
   fprintf(out, ",open\n");
 }
 
 /* What the rows leave open of the change of the total, in units. */
 static double open_of(const fray_energy_account *a) {
-  double open = -(double)a->begun;
-  for (uint32_t n = 0; n < FRAY_ENERGY_STORES; ++n) open += (double)a->stored[n];
-  for (uint32_t n = 0; n < FRAY_ENERGY_SUPPLIES; ++n) open -= (double)a->supplied[n];
-  for (uint32_t n = 0; n < FRAY_ENERGY_STAGES; ++n) open -= (double)a->made[n] - (double)a->lost[n];
-  return open;
+  uint64_t open = 0 - (uint64_t)a->begun; /* large rows leave exact sums in integers alone */
+  for (uint32_t n = 0; n < FRAY_ENERGY_STORES; ++n) open += (uint64_t)a->stored[n];
+  for (uint32_t n = 0; n < FRAY_ENERGY_SUPPLIES; ++n) open -= (uint64_t)a->supplied[n];
+  for (uint32_t n = 0; n < FRAY_ENERGY_STAGES; ++n)
+    open -= (uint64_t)a->made[n] - (uint64_t)a->lost[n];
+  return (double)(int64_t)open;
 }
 
 void energy_table_line(FILE *out, const fray_info *f, uint64_t tick, const fray_energy_account *a) {
   const double unit = energy_table_unit(f);
   fprintf(out, "%" PRIu64, tick);
-  for (uint32_t n = 0; n < FRAY_ENERGY_STORES; ++n) fprintf(out, ",%.9g", (double)a->stored[n] * unit);
+  for (uint32_t n = 0; n < FRAY_ENERGY_STORES; ++n)
+    fprintf(out, ",%.9g", (double)a->stored[n] * unit);
   fprintf(out, ",%.9g", (double)a->gravity * unit);
-  for (uint32_t n = 0; n < FRAY_ENERGY_SUPPLIES; ++n) fprintf(out, ",%.9g", (double)a->supplied[n] * unit);
+  for (uint32_t n = 0; n < FRAY_ENERGY_SUPPLIES; ++n)
+    fprintf(out, ",%.9g", (double)a->supplied[n] * unit);
   for (uint32_t n = 0; n < FRAY_ENERGY_STAGES; ++n)
     fprintf(out, ",%.9g,%.9g", (double)a->made[n] * unit, (double)a->lost[n] * unit);
   fprintf(out, ",%.3g\n", open_of(a) * unit);
 }
 
-static void print_rows(FILE *out, const char *head, double sum, const char *const *names, const int64_t *rows,
-                       uint32_t count, double unit) {
+static void print_rows(FILE *out, const char *head, double sum, const char *const *names,
+                       const int64_t *rows, uint32_t count, double unit) {
   const char *before = " (";
   fprintf(out, "%s%.4g J", head, sum * unit);
   for (uint32_t n = 0; n < count; ++n) {
