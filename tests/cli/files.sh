@@ -149,9 +149,11 @@ wants 2 "s.img: is an image, expected a scene" "$FRAY" scene "$image" -o "$dir/x
 wants 0 "verified 3 ticks" sh -c "cat $dir/in.log | $FRAY verify /dev/stdin --scene $image"
 
 # ---- a signal: the run ends after a whole tick, and its log and report are those so far
-# a shell starts what is in the background with SIGINT ignored, and what is ignored stays so
+# a shell starts what is in the background with SIGINT ignored, nohup all with SIGHUP, and what is ignored stays so;
+# a run that no signal ends, ends after its ticks, and its exit code says so
 with_signals=
-if env --default-signal=INT,QUIT true 2>/dev/null; then with_signals="env --default-signal=INT,QUIT"; fi
+sent=HUP,INT,TERM,QUIT,ALRM,USR1,USR2,XCPU
+if env --default-signal=$sent true 2>/dev/null; then with_signals="env --default-signal=$sent"; fi
 until_there() { # PATTERN: a minute at most
   tries=0
   # shellcheck disable=SC2086
@@ -160,7 +162,7 @@ until_there() { # PATTERN: a minute at most
 signalled() { # SIGNAL CODE
   rm -rf "$dir/so_far" && mkdir "$dir/so_far"
   # shellcheck disable=SC2086
-  $with_signals "$FRAY" run "$image" --ticks 60000000 --record "$dir/so_far/r.log" --report "$dir/so_far/report" --save "$dir/so_far/r.img" >"$cd_work/said" 2>&1 &
+  $with_signals "$FRAY" run "$image" --ticks 1000000 --record "$dir/so_far/r.log" --report "$dir/so_far/report" --save "$dir/so_far/r.img" >"$cd_work/said" 2>&1 &
   run=$!
   until_there "$dir/so_far/.fray-*"
   sleep 0.3
@@ -184,7 +186,7 @@ if [ -n "$with_signals" ]; then signalled INT 130; else not_run "a run under SIG
 ends() { # SIGNAL NUMBER
   rm -rf "$dir/so_far" && mkdir "$dir/so_far"
   # shellcheck disable=SC2086
-  $with_signals "$FRAY" run "$image" --ticks 60000000 --record "$dir/so_far/r.log" >/dev/null 2>&1 &
+  $with_signals "$FRAY" run "$image" --ticks 1000000 --record "$dir/so_far/r.log" >/dev/null 2>&1 &
   run=$!
   # shellcheck disable=SC2086
   $with_signals "$FRAY" bench "$image" --ticks 100000 --json "$dir/so_far/b.json" >/dev/null 2>&1 &
