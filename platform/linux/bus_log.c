@@ -5,11 +5,11 @@
 
 #include <inttypes.h>
 #include <sched.h>
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "platform/linux/sys.h"
+#include "platform/linux/thread.h"
 #include "platform/log/candump.h"
 
 enum { STACK = 1 << 17 };
@@ -111,16 +111,8 @@ static void *run_writer(void *context) {
 }
 
 int bus_log_start(bus_log *l) {
-  pthread_attr_t attributes;
-  sigset_t all, before;
   if (l->fd < 0) return 1;
-  if (pthread_attr_init(&attributes) != 0) return 0;
-  sigfillset(&all);
-  (void)pthread_attr_setstacksize(&attributes, STACK);
-  (void)pthread_sigmask(SIG_BLOCK, &all, &before);
-  l->running = pthread_create(&l->writer, &attributes, run_writer, l) == 0;
-  (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
-  (void)pthread_attr_destroy(&attributes);
+  l->running = thread_start(&l->writer, STACK, run_writer, l);
   return l->running;
 }
 

@@ -5,7 +5,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,6 +14,7 @@
 #include <unistd.h>
 
 #include "platform/files/output_file.h"
+#include "platform/linux/thread.h"
 #include "rt/base/bytes.h"
 
 enum { TEXT = 1024, POLL_MS = 50, STACK = 1 << 17 };
@@ -124,20 +124,6 @@ static void *run_writer(void *context) {
   return NULL;
 }
 
-/* The thread blocks all signals: they are the loop's. A small stack, since a real-time process locks it. */
-static int start_writer(freshness *s) {
-  pthread_attr_t attributes;
-  sigset_t all, before;
-  sigfillset(&all);
-  if (pthread_attr_init(&attributes) != 0) return 0;
-  (void)pthread_attr_setstacksize(&attributes, STACK);
-  (void)pthread_sigmask(SIG_BLOCK, &all, &before);
-  s->running = pthread_create(&s->writer, &attributes, run_writer, s) == 0;
-  (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
-  (void)pthread_attr_destroy(&attributes);
-  return s->running;
-}
-
 /* Reads the numbers at the places where format() writes them; the whole text must equal format()'s. */
 static int parse(freshness *s, const char *text, size_t bytes, candump_error *error) {
   uint32_t values[AUTH_GATE_LANES] = {0};
@@ -233,7 +219,8 @@ static int begin(freshness *s, candump_error *error) {
     return candump_fail(error, s->file, 0, 0, "cannot be written: %s", output_file_reason());
   }
   freshness_exchange(s);
-  return start_writer(s) || candump_fail(error, s->file, 0, 0, "no thread for its writer");
+  s->running = thread_start(&s->writer, STACK, run_writer, s);
+  return s->running || candump_fail(error, s->file, 0, 0, "no thread for its writer");
 }
 
 int freshness_open(freshness *s, const char *file, auth_gate *g, const cmac_key *key,

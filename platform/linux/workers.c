@@ -3,8 +3,9 @@
 
 #include "platform/linux/workers.h"
 
-#include <signal.h>
 #include <string.h>
+
+#include "platform/linux/thread.h"
 
 #ifndef WORKERS_STACK
 #define WORKERS_STACK (1 << 17) /* kernels that a compiler does not optimise take more */
@@ -118,20 +119,11 @@ size_t workers_memory_size(const fray_world *world, uint32_t workers) {
   return workers > 1 ? fray_parallel_memory_size(world, workers) : 0;
 }
 
-/* The threads block all signals: these are the caller's. */
 static int start_threads(workers_group *g) {
-  pthread_attr_t attributes;
-  sigset_t all, before;
-  if (pthread_attr_init(&attributes) != 0) return 0;
-  (void)pthread_attr_setstacksize(&attributes, WORKERS_STACK);
-  sigfillset(&all);
-  (void)pthread_sigmask(SIG_BLOCK, &all, &before);
   for (g->started = 1; g->started < g->count; ++g->started) {
     workers_thread *w = &g->worker[g->started];
-    if (pthread_create(&w->thread, &attributes, run_worker, w) != 0) break;
+    if (!thread_start(&w->thread, WORKERS_STACK, run_worker, w)) break;
   }
-  (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
-  (void)pthread_attr_destroy(&attributes);
   return g->started == g->count;
 }
 

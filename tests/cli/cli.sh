@@ -333,6 +333,8 @@ head -c 33333 "$record" >"$cd_work/cut.log"
 for verb in "run $image --log $cd_work/cut.log" "verify $cd_work/cut.log --scene $image" "render $image --log $cd_work/cut.log"; do
   wants 2 "the log is cut off (--cut takes what is whole)" "$FRAY" $verb
 done
+wants 0 "projection" "$FRAY" bench "$image" --log "$cd_work/cut.log" --cut --ticks 2
+for verb in run render bench; do wants 2 "fray $verb: --cut goes with --log" "$FRAY" $verb "$image" --cut; done
 wants 0 "1 moments" "$FRAY" render "$image" --log "$cd_work/cut.log" --cut --at 1ms --size 64x64 -o "$cd_work/w"
 # lines that are no frames
 sed '3s/^/not a frame\n# a comment\n\nnor this\n/' "$record" >"$cd_work/lines.log"

@@ -112,6 +112,15 @@ for use in "run $image --ticks 2 --record" "run $image --ticks 2 --save" "run $i
   # shellcheck disable=SC2086
   wants 2 "${use##* } -, expected a name (./- for a file called so)" "$FRAY" $use -
 done
+# nor is standard output, which would have both
+: >"$dir/both"
+for use in "scene $small -o" "run $image --ticks 3 --record" "run $image --ticks 3 --save"; do
+  # shellcheck disable=SC2086
+  wants 2 "${use##* } /dev/stdout, expected a name of another file: standard output has what is printed" "$FRAY" $use /dev/stdout
+  # shellcheck disable=SC2086
+  wants 2 "${use##* } $dir/both, expected a name of another file" sh -c 'to=$1 && shift && exec "$@" "$to" >>"$to"' sh "$dir/both" "$FRAY" $use
+done
+is "what was printed into it" "$(cat "$dir/both")" ""
 is "a file called so" "$(ls -d ./- 2>/dev/null)" ""
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >"$dir/case.obj"
 { cat "$small" && echo 'mesh m { obj "case.obj" at 0 -3 0 cm }'; } >"$dir/mesh.scene"

@@ -19,7 +19,7 @@ enum { SHEET_TICKS = 200, SCENE_TICKS = 1000, TICKS_MAX = 100000, RUN_ROWS_MIN =
 typedef struct {
   const char *scene, *log, *key, *kernel, *json_file, *rows_file;
   uint32_t ticks, workers;
-  int sweep, yarns, machine;
+  int cut, sweep, yarns, machine;
 } wishes;
 
 typedef struct {
@@ -35,6 +35,7 @@ static void print_usage(FILE *out) {
           "Time and counted work per tick, by stage. Each kernel that this machine has.\n"
           "Without a scene: woven cloth of 41x41 to 320x160 that hangs from its top, 4 substeps.\n\n"
           "  --log IN.log     the scene's inputs; --key FILE: the key of an authenticated log\n"
+          "  --cut            the log was cut off: takes what of it is whole\n"
           "  --machine        prints processor and compiler\n"
           "  --sweep          instead: time per tick against crossings, 1k to 250k\n"
           "  --yarns          instead: torn cloth of 120x60, two-level model beside all yarn;\n"
@@ -153,7 +154,7 @@ static int bench_session(const char *name, const session *s, const wishes *wish,
 
 static int bench_scene(const wishes *wish, sinks *to) {
   session s;
-  int code = session_open(&s, wish->scene, &(session_log){.file = wish->log, .key = wish->key}, 0);
+  int code = session_open(&s, wish->scene, &(session_log){.file = wish->log, .key = wish->key, .cut = wish->cut}, 0);
   if (code != 0) return code;
   machine_print(stdout);
   uint32_t ticks = wish->log != NULL ? s.log.count : SCENE_TICKS;
@@ -218,6 +219,7 @@ static int bench(const wishes *wish) {
 /* A wrong combination of options; NULL: none. */
 static const char *contradiction(const wishes *wish) {
   if (wish->key != NULL && wish->log == NULL) return "--key goes with --log";
+  if (wish->cut && wish->log == NULL) return "--cut goes with --log";
   if (wish->log != NULL && wish->scene == NULL) return "--log goes with a scene";
   if (wish->machine && (wish->sweep || wish->scene != NULL))
     return "--machine says only what the machine is, expected no scene and no --sweep";
@@ -235,6 +237,7 @@ int cmd_bench(int argc, char **argv) {
   wish.workers = 2;
   const option table[] = {{"--log", &wish.log, NULL, NULL, OPTION_INPUT, 0},
                           {"--key", &wish.key, NULL, NULL, OPTION_INPUT, 0},
+                          {"--cut", NULL, NULL, &wish.cut, 0, 0},
                           {"--machine", NULL, NULL, &wish.machine, 0, 0},
                           {"--sweep", NULL, NULL, &wish.sweep, 0, 0},
                           {"--yarns", NULL, NULL, &wish.yarns, 0, 0},

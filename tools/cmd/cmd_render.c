@@ -327,6 +327,10 @@ int cmd_render(int argc, char **argv) {
     fprintf(stderr, "fray render: --key goes with --log\n");
     return EXIT_USAGE;
   }
+  if (o.cut && o.log == NULL) {
+    fprintf(stderr, "fray render: --cut goes with --log\n");
+    return EXIT_USAGE;
+  }
   const session_log log = {.file = o.log, .key = o.key, .cut = o.cut};
   const int world_file = session_open(&job.s, o.file, &log, o.instance);
   if (world_file != 0) return world_file;

@@ -430,6 +430,8 @@ int cmd_run(int argc, char **argv) {
     fprintf(stderr, "fray run: --can excludes --log, --report and --energy; render or run its recording instead\n");
   } else if (wish == OPTIONS_GOOD && o.key.file != NULL && o.can == NULL && o.log == NULL) {
     fprintf(stderr, "fray run: --key goes with --can or --log\n");
+  } else if (wish == OPTIONS_GOOD && o.cut && o.log == NULL) {
+    fprintf(stderr, "fray run: --cut goes with --log\n");
   } else if (wish == OPTIONS_GOOD && j != NULL && bus_key_check("run", &o.key, o.can != NULL)) {
     j->o = &o;
     code = run_all(j);

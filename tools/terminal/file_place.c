@@ -6,12 +6,19 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 enum { ROOM = 4096 };
 
 const char *file_place_name(const char *path) {
   const char *slash = strrchr(path, '/');
   return slash != NULL ? slash + 1 : path;
+}
+
+int file_place_is_standard_output(const char *path) {
+  struct stat of_path, printed;
+  return stat(path, &of_path) == 0 && fstat(STDOUT_FILENO, &printed) == 0 && of_path.st_dev == printed.st_dev &&
+         of_path.st_ino == printed.st_ino && !S_ISCHR(printed.st_mode);
 }
 
 /* Without what names the same folder again: slashes and dots at its end. */

@@ -7,6 +7,9 @@
  * devices or pipes are. Cost: a few system calls. */
 int file_place_is_one(const char *a, const char *b);
 
+/* Whether what is written to `path` goes where standard output goes, into a file or a pipe. */
+int file_place_is_standard_output(const char *path);
+
 /* Whether `path` is directly in `folder`. */
 int file_place_is_in(const char *path, const char *folder);
 

@@ -19,6 +19,14 @@ static int take_number(const char *command, const option *o, const char *word) {
   return 1;
 }
 
+static int check_output(const char *command, const char *name, const char *word) {
+  const int is_dash = strcmp(word, "-") == 0;
+  if (!is_dash && !file_place_is_standard_output(word)) return 1;
+  fprintf(stderr, "fray %s: %s %s, expected a name%s: standard output has what is printed\n", command, name, word,
+          is_dash ? " (./- for a file called so)" : " of another file");
+  return 0;
+}
+
 static int take_option(int argc, char **argv, int *n, const option *o) {
   if (o->flag != NULL) {
     *o->flag = 1;
@@ -30,13 +38,8 @@ static int take_option(int argc, char **argv, int *n, const option *o) {
   }
   const char *word = argv[++*n];
   if (o->number != NULL) return take_number(argv[0], o, word);
-  if (strcmp(word, "-") == 0 && (o->min == OPTION_OUTPUT || o->min == OPTION_FOLDER)) {
-    fprintf(stderr, "fray %s: %s -, expected a name (./- for a file called so): standard output has what is printed\n",
-            argv[0], o->name);
-    return 0;
-  }
   *o->text = word;
-  return 1;
+  return (o->min != OPTION_OUTPUT && o->min != OPTION_FOLDER) || check_output(argv[0], o->name, word);
 }
 
 static void complain(const char *command, const char *word, const option *table, uint32_t count) {
