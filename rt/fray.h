@@ -272,7 +272,7 @@ typedef enum { FRAY_ENERGY_STORE_ROWS(FRAY_ENERGY_NAME) FRAY_ENERGY_STORES } fra
 typedef enum { FRAY_ENERGY_SUPPLY_ROWS(FRAY_ENERGY_NAME) FRAY_ENERGY_SUPPLIES } fray_energy_supply;
 typedef enum { FRAY_ENERGY_STAGE_ROWS(FRAY_ENERGY_NAME) FRAY_ENERGY_STAGES } fray_energy_stage;
 #undef FRAY_ENERGY_NAME
-enum { FRAY_ENERGY_ROUNDING = (int)FRAY_ENERGY_STORES + (int)FRAY_ENERGY_SUPPLIES + 2 * (int)FRAY_ENERGY_STAGES };
+enum { FRAY_ENERGY_ROUNDING = 2 * FRAY_ENERGY_STAGES + FRAY_ENERGY_STORES + FRAY_ENERGY_SUPPLIES };
 
 /* In units, saturated. A stage's net of each tick goes to what it made where it is above 0, else to what it
  * lost: neither is below 0. */
