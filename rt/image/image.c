@@ -107,7 +107,7 @@ static void derive_pools(uint32_t capacity[POOLS]) {
 }
 
 size_t image_blank(const uint32_t said[POOLS], void *memory, fray_world **world) {
-  uint32_t capacity[POOLS] = {0};
+  uint32_t capacity[POOLS];
   for (uint32_t p = 0; p < POOLS; ++p) capacity[p] = said[p];
   derive_pools(capacity);
   const size_t bytes = plan_bytes(capacity, 0);
@@ -174,7 +174,7 @@ static fray_status read_header(const uint8_t *image, size_t bytes, uint32_t capa
 }
 
 fray_status fray_memory_size(const void *image, size_t image_bytes, size_t *bytes, fray_error *error) {
-  uint32_t capacity[POOLS] = {0};
+  uint32_t capacity[POOLS];
   if (bytes == NULL) return image_refuse(error, FRAY_BAD_ARGUMENT, 0, 0, "a place for the result");
   const fray_status status = read_header((const uint8_t *)image, image_bytes, capacity, error);
   if (status != FRAY_OK) return status;
