@@ -27,7 +27,7 @@ static const uint32_t blades[POOLS] = {
     [POOL_RIGID_MESH_WORDS] = RIGID_MESH_WORDS, [POOL_BLADES] = 1};
 
 /* Words of 64 bits, so that both are aligned. */
-enum { IMAGE_ROOM = 2048, MEMORY_ROOM = 4096 };
+enum { IMAGE_ROOM = 2048, MEMORY_ROOM = 8192 };
 static uint64_t image_room[IMAGE_ROOM / 8];
 static uint64_t memory_room[MEMORY_ROOM / 8];
 #define IMAGE_AT(bytes) ((uint8_t *)image_room + IMAGE_ROOM - (bytes))
