@@ -69,12 +69,13 @@ static void number_lines(candump_log *log) {
 }
 
 static void insert(candump_log *log, size_t at, const frame *f) {
+  const frame inserted = *f; /* it may be one of the log's, which move */
   candump_entry *grown = realloc(log->entries, (log->count + 1) * sizeof *grown);
   if (grown == NULL || at > log->count) fixture_give_up("insert", "no room");
   log->entries = grown;
   memmove(&grown[at + 1], &grown[at], (log->count - at) * sizeof *grown);
   memset(&grown[at], 0, sizeof grown[at]);
-  grown[at].frame = *f;
+  grown[at].frame = inserted;
   log->count += 1;
   number_lines(log);
 }
