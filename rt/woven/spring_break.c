@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Breaks the queued springs. Each releases at most six others: the bend springs of its yarn that span the
- * break, and both diagonals of the cells beside it (state/yarn_grid.h says why). */
+ * break, and both diagonals of the cells beside it (state/yarn_grid.h says why); with yarns, the second
+ * spring of each diagonal too. */
 #include "rt/woven/tear_queue.h"
 #include "rt/woven/woven.h"
 
