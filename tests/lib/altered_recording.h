@@ -69,7 +69,7 @@ static void number_lines(candump_log *log) {
 }
 
 static void insert(candump_log *log, size_t at, const frame *f) {
-  const frame inserted = *f; /* it may be one of the log's, which move */
+  const frame inserted = *f; /* f may point into the entries, which realloc() moves */
   candump_entry *grown = realloc(log->entries, (log->count + 1) * sizeof *grown);
   if (grown == NULL || at > log->count) fixture_give_up("insert", "no room");
   log->entries = grown;
