@@ -153,7 +153,7 @@ run: command ## tear a sheet with two hands from a log of the bus; results in ou
 	$(FRAY) run out/two_hands.img --log tests/scenes/two_hands.log --record out/two_hands.log --report out
 	$(FRAY) verify out/two_hands.log --scene out/two_hands.img
 
-test: programs ## run every test; SUITES="cli tidy" picks shell suites
+test: programs ## run every test; SUITES="cli tidy" picks shell suites; PART=2/4 of tables of code, stack, cppcheck
 	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) SUITES="$(SUITES)" \
 	  sh tests/run_all.sh $(TESTS) $(IMAGE_16) $(WIDE_16) $(FX_NARROW) $(ASSERTED)
 
@@ -229,6 +229,11 @@ wild: $(BUILD)/tests/wild/wild ## COUNT (100) random scenes of SEED (1), judged 
 THESIS := $(addprefix $(BUILD)/tests/physics/,test_ceiling test_garments test_contact_triangles test_triangle_collision)
 thesis: $(THESIS) ## scenes of Karaoz 2015 at full length, 1,000 bodies thrown at cloth (minutes)
 	@for program in $(THESIS); do ./$$program all || exit 1; done
+
+.PHONY: motion
+MOTION := $(addprefix $(BUILD)/tests/physics/,test_calm_contact test_cantilever)
+motion: $(MOTION) ## cloth that comes to rest at every rate, cantilevers of every mesh (minutes)
+	@for program in $(MOTION); do ./$$program all || exit 1; done
 
 patches: $(BUILD)/tests/physics/test_patch ## every patch of membranes under load (minutes)
 	@$< all

@@ -178,7 +178,7 @@ typedef struct {
   uint32_t yarn_forces;       /* structural springs x elastic steps x substeps, twice with damping */
   uint32_t tear_candidates;   /* lines along which the membrane was tested for a tear */
   uint32_t element_forces;    /* triangles x elastic steps x substeps */
-  uint32_t bend_forces;       /* bending hinges x their evaluations */
+  uint32_t bend_forces;       /* folds between triangles x their bending steps */
   uint32_t mesh_tests;        /* paths of particles tested against the box of a rigid mesh or sphere */
   uint32_t mesh_boxes;        /* boxes of rigid meshes' trees tested */
   uint32_t mesh_ccd;          /* continuous collision tests with rigid meshes and spheres */
@@ -189,6 +189,7 @@ typedef struct {
   uint32_t self_ccd;          /* continuous collision tests of these */
   uint32_t self_merged;       /* particles merged into impact zones */
   uint32_t blade_cuts;        /* of the tears, those made by blades */
+  uint32_t contact_constraints; /* of a membrane: constraints x elastic steps x substeps */
 } fray_work;
 
 typedef struct {

@@ -2,13 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 # run_all.sh PROGRAM...: runs the shell suites that SUITES names and the test programs, JOBS at a time; suites that
 # share builds one after the other, and these begin first. A line a suite as it ends; the output of a failing one;
-# last one line `N passed, N failed`.
+# last one line `N passed, N failed`. Tables of code, stack and cppcheck run in parts: PART, or one that the commit
+# chooses; `make size stack tidy` run them whole.
 set -eu
 SUITES=${SUITES:-tidy cli workers hashes images symbols stack size budget_rules cmac_constant dbc_readers other_logs install docs adding parts wild}
 FRAY_BUILD=${BUILD:-build}
 FRAY=${FRAY:-$FRAY_BUILD/fray}
 RESULTS=$FRAY_BUILD/tests/results
 export FRAY FRAY_BUILD RESULTS
+PART=${PART:-$(sh tests/part.sh choose - "$(git rev-parse HEAD 2>/dev/null || echo 0)")/4}
+export PART
 rm -rf "$RESULTS"
 mkdir -p "$RESULTS"
 : >"$RESULTS/not_run"

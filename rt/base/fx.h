@@ -337,14 +337,17 @@ static inline uint32_t fx_root_length(fx_root r) {
   const uint64_t root_q61 = fx_mul_wide_u(r.m, r.inverse);
   return (uint32_t)(root_q61 >> (61u - r.h));
 }
-/* v / sqrt(n) in Q30, for |v| <= sqrt(n): one component of the unit vector. */
-FX_WRAPS static inline int32_t fx_root_unit(fx_root r, int32_t v) {
-  FX_ASSERT(r.h <= 31 && r.inverse >= 1u << 30 && r.inverse <= 1u << 31);
+/* v 2^bits / sqrt(n), rounded; bits is at most 30. */
+FX_WRAPS static inline int64_t fx_root_over(fx_root r, int32_t v, unsigned bits) {
+  FX_ASSERT(r.h <= 31 && r.inverse >= 1u << 30 && r.inverse <= 1u << 31 && bits <= 30);
   /* inverse is above 2^30: with 2^31 taken off it fits a signed word */
   const int64_t product =
       fx_mul_wide(v, (int32_t)(r.inverse - 0x80000000u)) + (int64_t)v * ((int64_t)1 << 31);
-  const int64_t unit = fx_round64(product, r.h + 1u);
-  return (int32_t)fx_clamp64(unit, -((int64_t)1 << 30), (int64_t)1 << 30);
+  return fx_round64(product, r.h + 31u - bits);
+}
+/* v / sqrt(n) in Q30, for |v| <= sqrt(n): one component of the unit vector. */
+static inline int32_t fx_root_unit(fx_root r, int32_t v) {
+  return (int32_t)fx_clamp64(fx_root_over(r, v, 30), -((int64_t)1 << 30), (int64_t)1 << 30);
 }
 
 #endif

@@ -147,13 +147,25 @@ void collider_place(fray_world *w, const collider *t, uint32_t p, vec3 relative)
   w->p.x[p] = at.x;
   w->p.y[p] = at.y;
   w->p.z[p] = at.z;
+  if (world_has_membrane(w)) return;
   body_add_impulse(&w->rigid.motion[t->body],
                    vertex_mass_impulse(mass_q16(w, p), vec_sub(at, was), FX_SUB_BITS));
 }
 
+/* A vertex of a membrane goes on as the body does: its velocity is not that of its path. */
+static void stop_vertex(fray_world *w, const collider *t, uint32_t p, vec3 was) {
+  const vec3 goes = vec_clamp_rare(vec_of(w->rigid.states[t->body].velocity), FX_SPEED_MAX);
+  const vec3 change = vec_sub(goes, world_velocity(w, p));
+  world_set_velocity(w, p, goes);
+  world_shift_predicted(w, p, vec_sub(world_position(w, p), was));
+  body_add_impulse(&w->rigid.motion[t->body], vertex_mass_impulse(mass_q16(w, p), change, 0));
+}
+
 void collider_pin(fray_world *w, const collider *t, uint32_t p, const ccd_path *path) {
+  const vec3 was = world_position(w, p);
   ++w->work.mesh_pins;
   collider_place(w, t, p, path->begin);
+  if (world_has_membrane(w)) stop_vertex(w, t, p, was);
 }
 
 /* 0 where the path is too long for its arithmetic. */

@@ -18,7 +18,7 @@ enum {
 
 /* Bits of contact.side_mask: sides of the collider's box beyond which the whole path of a particle
  * stays. What several particles have in common keeps everything between them away as well. */
-enum { COLLIDER_SIDES = 63, COLLIDER_PINNED = 64, COLLIDER_MOVED = 128 };
+enum { COLLIDER_SIDES = 63, COLLIDER_PINNED = 64 };
 
 /* A body in this substep. */
 typedef struct {

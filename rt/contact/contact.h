@@ -14,6 +14,9 @@ void contact_primitives_solve(fray_world *w); /* narrow phase, push-out and fric
 void contact_vertices_solve(fray_world *w);   /* with rigid meshes: CCD; of triangles too in some worlds */
 void contact_update_velocity(fray_world *w);  /* a touching particle keeps no velocity away from the body */
 
+/* A free body beside woven cloth is put out of planes, and stops there. */
+void contact_planes_push(fray_world *w, uint32_t b);
+
 /* Repeats the mesh test after triangle self-collision; returns how many vertices had to be pinned. */
 uint32_t contact_vertices_check(fray_world *w);
 

@@ -110,12 +110,6 @@ void contact_gather(fray_world *w) {
 
 /* ---- narrow phase ---- */
 
-/* Extent of a mesh against the normal, which points up. */
-static int64_t mesh_extent(const fray_world *w, uint32_t b, vec3 normal) {
-  const rigid_mesh_parts m = rigid_mesh_at(w, rigid_mesh_of_body(w, b));
-  return rigid_mesh_extent(&m, vec_negated(normal));
-}
-
 /* Moves a coordinate, at most to the end of the world; returns how far. */
 static int32_t move_within(fray_world *w, int32_t *at, int32_t by) {
   const int32_t before = *at;
@@ -193,24 +187,6 @@ __attribute__((always_inline)) static inline void push_out(fray_world *w, const 
   add_impulse(w, e, c, push);
 }
 
-/* A free body on a plane: it stops there. */
-static void rest_on_planes(fray_world *w, uint32_t b) {
-  const rigid_body *s = &w->rigid.bodies[b];
-  body_state *own = &w->rigid.states[b];
-  for (uint32_t g = 0; g < (uint32_t)w->params->bodies; ++g) {
-    if (!shape_is_plane(&w->rigid.bodies[g])) continue;
-    const vec3 normal = shape_plane_normal(&w->rigid.bodies[g]);
-    const int64_t extent = body_is_mesh(s) && world_has_rigid_meshes(w) ? mesh_extent(w, b, normal)
-                                                                        : shape_extent(s, normal);
-    const vec3 d = vec_sub(vec_of(own->position), vec_of(w->rigid.states[g].position));
-    const int64_t depth = extent - vec_dot_unit(d, normal);
-    if (depth <= 0) continue;
-    const vec3 out = vec_scale_unit(normal, (int32_t)fx_clamp64(depth, 0, FX_WORLD_MAX));
-    vec_store(own->position, vec_clamp(vec_add(vec_of(own->position), out), FX_WORLD_MAX));
-    vec_store(own->velocity, vec_make(0, 0, 0));
-  }
-}
-
 /* Contacts with the ground in a kernel, as many as it takes from the front. */
 static uint32_t solve_ground(fray_world *w, const contact_body *e, uint32_t b, uint32_t first, uint32_t end) {
   FRAY_ASSERT(first <= end && end <= w->contact.count);
@@ -267,6 +243,6 @@ void contact_primitives_range(fray_world *w, uint32_t first, uint32_t end) {
 
 void contact_primitives_solve(fray_world *w) {
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
-    if (w->rigid.bodies[b].motion == FRAY_FREE) rest_on_planes(w, b);
+    if (w->rigid.bodies[b].motion == FRAY_FREE) contact_planes_push(w, b);
   contact_primitives_range(w, 0, w->contact.count);
 }

@@ -18,15 +18,13 @@
 #include "rt/contact/contact_triangles.h"
 
 #include "rt/contact/collider_triangle.h"
+#include "rt/contact/constraints.h"
 
-enum { STEP_BITS = 16, STEP_ONE = 1 << STEP_BITS };
-
-/* A query, and how it pushes. */
+/* A query of one triangle. */
 typedef struct {
   const index_t *v;
   collider_triangle_query q; /* its skin is 0 where it only tests */
-  uint32_t moved; /* bit k: corner k was pushed */
-  vec3 out;       /* direction of the last push */
+  int32_t room; /* the part of its skin beyond the thickness */
 } contact_query;
 
 /* ---- pinned ---- */
@@ -77,7 +75,7 @@ static uint32_t list_near(fray_world *w, const collider *t, uint32_t *budget) {
       continue;
     }
     --*budget;
-    FRAY_ASSERT(count < w->capacity[POOL_CONTACTS]);
+    FRAY_ASSERT(count < triangles);
     w->contact.near_triangles[count++] = (index_t)n;
   }
   return count;
@@ -99,14 +97,14 @@ static uint32_t own_edges_of(const fray_world *w, const collider *t, uint32_t tr
 static int begin_query(fray_world *w, const collider *t, uint32_t triangle, int32_t skin, contact_query *f) {
   FRAY_ASSERT(triangle < triangles_in_use(w));
   f->v = w->trimesh.triangle[triangle].v;
-  f->moved = 0;
+  f->room = 0;
   f->q.skin = skin + (skin != 0 ? t->radius : 0);
   for (uint32_t k = 0; k < 3; ++k) f->q.path[k] = collider_path(w, t, f->v[k]);
   f->q.own_edges = own_edges_of(w, t, triangle);
   return collider_triangle_begin(w, t, skin, &f->q);
 }
 
-/* ---- repulsion ---- */
+/* ---- constraints ---- */
 
 static vec3 end_at(const contact_query *f, const int32_t weight[3]) {
   return collider_weighted(weight, f->q.path[0].end, f->q.path[1].end, f->q.path[2].end);
@@ -115,48 +113,17 @@ static vec3 begin_at(const contact_query *f, const int32_t weight[3]) {
   return collider_weighted(weight, f->q.path[0].begin, f->q.path[1].begin, f->q.path[2].begin);
 }
 
-/* How far each corner moves for a unit step of the point with these weights, at most 1, Q16; returns 0
- * where none can move. Masses do not count: vertices of slivers, a hundred times lighter, would go as
- * much farther and tear off. */
-static int corner_steps(const fray_world *w, const contact_query *f, const int32_t weight[3],
-                        int32_t step[3]) {
-  uint64_t whole = 0;
-  for (uint32_t k = 0; k < 3; ++k) {
-    step[k] = can_move(w, f->v[k]) ? weight[k] : 0;
-    whole += fx_square(step[k]);
-  }
-  if (whole == 0) return 0;
-  for (uint32_t k = 0; k < 3; ++k) {
-    const uint64_t wanted = ((uint64_t)(uint32_t)step[k] << (15 + STEP_BITS)) / whole;
-    step[k] = wanted > STEP_ONE ? STEP_ONE : (int32_t)wanted;
-  }
-  return 1;
-}
-
-static void move_corners(contact_query *f, const int32_t step[3], vec3 by) {
-  for (uint32_t k = 0; k < 3; ++k) {
-    if (step[k] == 0) continue;
-    vec3 *end = &f->q.path[k].end;
-    *end = vec_add_clamped(*end, vec_scale_q16(by, step[k]), FX_WORLD_MAX);
-    f->moved |= 1u << k;
-  }
-}
-
-/* Moves the point with these weights out to the thickness from `at`, then takes back what friction holds. */
-static void push_corners(const fray_world *w, const collider *t, contact_query *f, const int32_t weight[3],
-                         vec3 at, vec3 out) {
-  int32_t step[3];
+static void constrain(fray_world *w, const collider *t, const contact_query *f, const int32_t weight[3],
+                      vec3 at, vec3 out) {
+  const uint32_t vertex[3] = {f->v[0], f->v[1], f->v[2]};
   const int64_t missing = (int64_t)f->q.skin - vec_dot_unit(vec_sub(end_at(f, weight), at), out);
-  const int32_t depth = (int32_t)fx_clamp64(missing, 0, FX_WORLD_MAX);
-  if (depth <= COLLIDER_DEPTH_MIN || !corner_steps(w, f, weight, step)) return;
-  f->out = out;
-  move_corners(f, step, vec_scale_unit(out, depth));
-
-  const vec3 moved = vec_sub(end_at(f, weight), begin_at(f, weight));
-  move_corners(f, step, vec_negated(collider_friction(w, t, moved, out, depth)));
+  const int64_t height = vec_dot_unit(vec_sub(begin_at(f, weight), at), out);
+  if (missing <= COLLIDER_DEPTH_MIN) return;
+  const constraint_kind kind = t->radius != 0 ? CONSTRAINT_TRIANGLE : CONSTRAINT_FLAT;
+  contact_constraint_add(w, t->body, kind, vertex, weight, out, height - (f->q.skin - f->room));
 }
 
-/* ---- tests: each pushes, or, with skin 0, returns 1 where it touches or may ---- */
+/* ---- tests: each finds constraints, or, with skin 0, returns 1 where it touches or may ---- */
 
 static int test_point(fray_world *w, const collider *t, contact_query *f, vec3 at) {
   const ccd_path point = {at, at};
@@ -166,7 +133,7 @@ static int test_point(fray_world *w, const collider *t, contact_query *f, vec3 a
   if (!ccd_point_triangle(&point, f->q.path, f->q.skin, &c)) return 0;
   if (f->q.skin == 0) return 1;
   collider_triangle_weights(&c, weight);
-  push_corners(w, t, f, weight, at, c.normal);
+  constrain(w, t, f, weight, at, c.normal);
   return 0;
 }
 
@@ -182,7 +149,7 @@ static int test_edge(fray_world *w, const collider *t, contact_query *f, vec3 a,
     if (!ccd_edges(mesh_edge, edge, f->q.skin, &c)) continue;
     if (f->q.skin == 0) return 1;
     collider_triangle_edge_weights(k, c.weight[1], weight);
-    push_corners(w, t, f, weight, vec_lerp_q15(a, b, c.weight[0]), c.normal);
+    constrain(w, t, f, weight, vec_lerp_q15(a, b, c.weight[0]), c.normal);
   }
   return 0;
 }
@@ -211,20 +178,16 @@ static int test_all(fray_world *w, const collider *t, contact_query *f) {
   return 0;
 }
 
-static void push_triangle(fray_world *w, const collider *t, uint32_t triangle) {
-  contact_query f;
-  if (!triangle_can_move(w, triangle)) return;
-  if (!begin_query(w, t, triangle, collider_skin(w), &f) || test_all(w, t, &f)) {
-    if (f.q.ccd_left == 0) world_fault(w, FRAY_FAULT_MESH_QUERY_BUDGET);
-    pin_triangle(w, t, triangle);
-    return;
-  }
-  for (uint32_t k = 0; k < 3; ++k) {
-    if ((f.moved >> k & 1u) == 0) continue;
-    const uint32_t p = f.v[k];
-    collider_place(w, t, p, f.q.path[k].end);
-    if ((w->contact.side_mask[p] & COLLIDER_MOVED) == 0) (void)collider_add_contact(w, t, p, f.out);
-    w->contact.side_mask[p] = COLLIDER_MOVED; /* no side any more: its end may be anywhere */
+void contact_triangles_constrain(fray_world *w, const collider *t, int32_t room, uint32_t *budget) {
+  const uint32_t triangles = triangles_in_use(w);
+  FRAY_ASSERT(rigid_mesh_meets_triangles(w) && room >= 0);
+  for (uint32_t n = 0; n < triangles && *budget != 0; ++n) {
+    contact_query f;
+    if (!is_near(w, t, n) || !triangle_can_move(w, n)) continue;
+    --*budget;
+    if (!begin_query(w, t, n, collider_skin(w) + room, &f)) continue;
+    f.room = room;
+    (void)test_all(w, t, &f);
   }
 }
 
@@ -257,17 +220,6 @@ static int triangle_crosses(fray_world *w, const collider *t, uint32_t triangle)
   return test_all(w, t, &f) || (t->radius != 0 && enters_sphere(w, t, &f));
 }
 
-/* Pins corners that were pushed through a face of the mesh. */
-static void check_corners(fray_world *w, const collider *t, uint32_t triangle) {
-  const index_t *v = w->trimesh.triangle[triangle].v;
-  for (uint32_t k = 0; k < 3; ++k) {
-    if ((w->contact.side_mask[v[k]] & COLLIDER_MOVED) == 0) continue;
-    const ccd_path path = collider_path(w, t, v[k]);
-    w->contact.side_mask[v[k]] &= (uint8_t)~(uint32_t)COLLIDER_MOVED;
-    if (collider_crosses(w, t, &path)) pin_corner(w, t, v[k], &path);
-  }
-}
-
 static uint32_t holder_of(const fray_world *w, uint32_t triangle) {
   const index_t *v = w->trimesh.triangle[triangle].v;
   for (uint32_t k = 0; k < 3; ++k)
@@ -297,20 +249,6 @@ static uint32_t pin_crossing(fray_world *w, const collider *t, uint32_t count, u
   if (before != pinned)
     for (uint32_t n = 0; n < count; ++n) pin_triangle(w, t, w->contact.near_triangles[n]);
   return pinned;
-}
-
-uint32_t contact_triangles_solve(fray_world *w, const collider *t, uint32_t budget[2]) {
-  uint32_t holder;
-  FRAY_ASSERT(rigid_mesh_meets_triangles(w));
-  uint32_t count = list_near(w, t, &budget[0]);
-  for (uint32_t round = 0; round < RIGID_MESH_REPULSIONS; ++round)
-    for (uint32_t n = 0; n < count; ++n) push_triangle(w, t, w->contact.near_triangles[n]);
-  if (t->radius == 0)
-    for (uint32_t n = 0; n < count; ++n) check_corners(w, t, w->contact.near_triangles[n]);
-
-  count = list_near(w, t, &budget[1]); /* with the triangles around what was pushed */
-  (void)pin_crossing(w, t, count, &holder);
-  return holder;
 }
 
 uint32_t contact_triangles_check(fray_world *w, const collider *t, uint32_t *budget, uint32_t *holder) {

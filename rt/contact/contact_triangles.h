@@ -8,12 +8,11 @@
 
 enum { CONTACT_TRIANGLES_FREE = 0xFFFF }; /* instead of a body: no attached vertex is in the way */
 
-/* Pushes triangles out of the body, then pins those that cross it nevertheless. budget[0] and
- * [1]: how many triangles may be pushed, and tested, still. Returns CONTACT_TRIANGLES_FREE, or the body
- * that holds vertices which would have to move for this one. */
-uint32_t contact_triangles_solve(fray_world *w, const collider *t, uint32_t budget[2]);
-/* Repeats the tests after another body has moved vertices. Returns how many triangles were pinned;
- * *holder as above. */
+/* Adds the constraints of triangles that come within the thickness and `room` of the body. *budget: how many
+ * triangles may be tested still. */
+void contact_triangles_constrain(fray_world *w, const collider *t, int32_t room, uint32_t *budget);
+/* Pins triangles that cross the body. Returns how many; *budget: how many may be tested; *holder:
+ * CONTACT_TRIANGLES_FREE, or the body that holds vertices which would have to move for this one. */
 uint32_t contact_triangles_check(fray_world *w, const collider *t, uint32_t *budget, uint32_t *holder);
 /* Pins every triangle near the body. */
 void contact_triangles_pin(fray_world *w, const collider *t);

@@ -17,6 +17,7 @@
  * that take part are stopped and everything is done again; what is left is reported. */
 #include "rt/contact/contact.h"
 #include "rt/contact/contact_triangles.h"
+#include "rt/contact/mesh_push.h"
 
 static void copy(int32_t *restrict to, const int32_t *restrict from, uint32_t count) {
   for (uint32_t p = 0; p < count; ++p) to[p] = from[p];
@@ -32,104 +33,14 @@ void contact_vertices_begin(fray_world *w) {
     w->rigid.start[b] = vec_of(w->rigid.states[b].position);
 }
 
-/* ---- one triangle of the mesh ---- */
-
-/* The way out where the path met the triangle; inside the triangle its own normal is more exact. */
-static vec3 direction_out(const collider *t, uint32_t face, const ccd_path *path, const ccd_contact *c) {
-  const int inside = c->weight[0] > 0 && c->weight[1] > 0 && c->weight[0] + c->weight[1] < CCD_ONE;
-  if (!inside) return vec_negated(c->normal);
-  const vec3 normal = vec_of(t->m.faces[face].normal);
-  return collider_gap(t, face, path->begin) >= 0 ? normal : vec_negated(normal);
-}
-
-/* How far the path's end is short of the thickness. */
-static int32_t push_depth(const collider *t, uint32_t face, vec3 end, const ccd_contact *c, vec3 out,
-                          int32_t skin) {
-  const vec3 a = rigid_mesh_corner(&t->m, face, 0);
-  const vec3 along1 = vec_scale_q15(vec_sub(rigid_mesh_corner(&t->m, face, 1), a), c->weight[0]);
-  const vec3 along2 = vec_scale_q15(vec_sub(rigid_mesh_corner(&t->m, face, 2), a), c->weight[1]);
-  const vec3 met = vec_add(vec_add(a, along1), along2);
-  return (int32_t)fx_clamp64((int64_t)skin - vec_dot_unit(vec_sub(end, met), out), -FX_LU, FX_WORLD_MAX);
-}
-
-/* A push of a path's end: when the path came near, how deep it ends, the way out. */
-typedef struct {
-  int32_t time, depth;
-  vec3 out;
-} push;
-
-typedef enum { OVER_FACE, BEYOND_FACE, NEAR_FACE } face_position;
-
-/* OVER_FACE: both ends of the path are on the inner side of all three edges. BEYOND_FACE: both are
- * farther than `skin` outside of one edge. Both by more than rounding. */
-static face_position face_position_of(const collider *t, uint32_t face, const ccd_path *path, int32_t skin) {
-  const vec3 n = vec_of(t->m.faces[face].normal);
-  const int64_t rounding = (int64_t)1 << 32;
-  face_position found = OVER_FACE;
-  for (uint32_t k = 0; k < 3; ++k) {
-    const vec3 a = rigid_mesh_corner(&t->m, face, k);
-    const vec3 e = vec_sub(rigid_mesh_corner(&t->m, face, (k + 1u) % 3u), a);
-    const vec3 inward = vec_cross_unit(n, e); /* as long as the edge */
-    const int64_t begin = vec_dot64(inward, vec_sub(path->begin, a));
-    const int64_t end = vec_dot64(inward, vec_sub(path->end, a));
-    const int64_t length_max = (int64_t)fx_magnitude(e.x) + fx_magnitude(e.y) + fx_magnitude(e.z);
-    const int64_t outside = -(length_max * (skin + COLLIDER_PLANE_MARGIN)) - rounding;
-    if (begin < outside && end < outside) return BEYOND_FACE;
-    if (begin < rounding || end < rounding) found = NEAR_FACE;
-  }
-  return found;
-}
-
-/* The push out of a triangle over which both ends of the path are: no CCD is needed. */
-static push push_along_normal(const collider *t, uint32_t face, collider_gaps g, int32_t skin) {
-  const vec3 n = vec_of(t->m.faces[face].normal);
-  const int above = g.begin >= 0;
-  const int64_t begin = above ? g.begin : -(int64_t)g.begin;
-  const int64_t end = above ? g.end : -(int64_t)g.end;
-  push p = {0, (int32_t)fx_clamp64(skin - end, 0, FX_WORLD_MAX), n};
-  if (!above) p.out = vec_negated(n);
-  if (begin > skin && end < begin) p.time = (int32_t)((begin - skin) * CCD_ONE / (begin - end));
-  return p;
-}
-
-/* The push out of one triangle; its depth is at most COLLIDER_DEPTH_MIN where the path's end is outside. */
-__attribute__((noinline)) static push push_out_of_face(fray_world *w, const collider *t, uint32_t face,
-                                                       const ccd_path *path) {
-  const int32_t skin = collider_skin(w);
-  const collider_gaps g = collider_gaps_of(t, face, path);
-  push p = {0, 0, {0, 0, 0}};
-  ccd_contact c;
-  if (collider_is_on_one_side(g, skin - COLLIDER_DEPTH_MIN)) return p;
-  const face_position at = face_position_of(t, face, path, skin);
-  if (at == OVER_FACE) return push_along_normal(t, face, g, skin);
-  if (at == BEYOND_FACE || !collider_ccd(w, t, face, path, skin, &c)) return p;
-  p.time = c.time;
-  p.out = direction_out(t, face, path, &c);
-  p.depth = push_depth(t, face, path->end, &c, p.out, skin);
-  return p;
-}
-
 /* ---- one particle ---- */
-
-/* The first push along the path; of several at one time the deepest. */
-static push first_push(fray_world *w, const collider *t, const collider_near *near, const ccd_path *path) {
-  push first = {CCD_ONE + 1, 0, {0, 0, 0}};
-  for (uint32_t n = 0; n < near->count; ++n) {
-    const push p = push_out_of_face(w, t, near->face[n], path);
-    if (p.depth <= COLLIDER_DEPTH_MIN || p.time > first.time ||
-        (p.time == first.time && p.depth <= first.depth))
-      continue;
-    first = p;
-  }
-  return first;
-}
 
 /* Pushes the path's end out. Returns 1 and the last push, with the depth of all of them, or 0. */
 static int push_path(fray_world *w, const collider *t, const collider_near *near, ccd_path *path,
-                     push *last) {
+                     mesh_push *last) {
   int64_t sum = 0;
   for (uint32_t round = 0; round < RIGID_MESH_ROUNDS; ++round) {
-    const push p = first_push(w, t, near, path);
+    const mesh_push p = mesh_push_first(w, t, near, path, collider_skin(w));
     if (p.depth == 0) break;
     path->end = collider_pushed(path->end, p.out, p.depth);
     sum += p.depth;
@@ -144,7 +55,7 @@ __attribute__((noinline)) static void push_particle(fray_world *w, const collide
                                                     ccd_path path) {
   const ccd_path unpushed = path;
   collider_near near;
-  push last;
+  mesh_push last;
   const collider_box span = collider_box_of(&path, 1, collider_skin(w));
   collider_list_near(w, t, &span, RIGID_MESH_NEAR, &near);
   if (near.count == COLLIDER_TOO_MANY) {
@@ -170,22 +81,6 @@ __attribute__((noinline)) static void push_particle(fray_world *w, const collide
     collider_place(w, t, p, path.end);
 }
 
-/* Spheres push particles out where they are (contact_primitives.c). A particle that a fast sphere has
- * passed is brought back to the side that it came from. */
-static void push_past_sphere(fray_world *w, const collider *t, uint32_t p, ccd_path path) {
-  const ccd_path centre = {{0, 0, 0}, {0, 0, 0}};
-  const ccd_path corners[3] = {centre, centre, centre};
-  const vec3 moved = vec_sub(path.end, path.begin);
-  ccd_contact c;
-  if (vec_span(moved) < (uint32_t)t->radius / 4) return;
-  ++w->work.mesh_ccd;
-  if (!ccd_point_triangle(&path, corners, t->radius, &c)) return;
-  const vec3 out = vec_negated(c.normal);
-  const int64_t depth = (int64_t)t->radius + collider_skin(w) - vec_dot_unit(path.end, out);
-  if (depth <= COLLIDER_DEPTH_MIN) return;
-  collider_place(w, t, p, collider_pushed(path.end, out, (int32_t)fx_clamp64(depth, 0, FX_WORLD_MAX)));
-}
-
 /* ---- all particles and one collider ---- */
 
 /* Sets side_mask and pushes every particle with a path near the body; those beyond the budget are
@@ -204,10 +99,7 @@ static void push_all(fray_world *w, const collider *t, uint32_t *budget) {
       continue;
     }
     --*budget;
-    if (t->radius == 0)
-      push_particle(w, t, p, path);
-    else
-      push_past_sphere(w, t, p, path);
+    push_particle(w, t, p, path);
   }
   w->work.mesh_tests += end;
 }
@@ -241,15 +133,9 @@ typedef struct {
   uint32_t holder;    /* the body with such vertices, or CONTACT_TRIANGLES_FREE */
 } jam;
 
-__attribute__((noinline)) static void push_off_collider(fray_world *w, uint32_t n, uint32_t budget[3],
-                                                        jam *found) {
+__attribute__((noinline)) static void push_off_collider(fray_world *w, uint32_t n, uint32_t *budget) {
   const collider t = collider_at(w, n);
-  push_all(w, &t, &budget[0]);
-  uint32_t holder = CONTACT_TRIANGLES_FREE;
-  if (rigid_mesh_meets_triangles(w)) holder = contact_triangles_solve(w, &t, &budget[1]);
-  if (holder == CONTACT_TRIANGLES_FREE) return;
-  found->colliders |= 1u << n;
-  found->holder = holder;
+  push_all(w, &t, budget);
 }
 
 __attribute__((noinline)) static uint32_t check_collider(fray_world *w, uint32_t n, uint32_t budget[2],
@@ -268,14 +154,16 @@ static int resolve(fray_world *w, jam *found) {
   const uint32_t max = w->capacity[POOL_CONTACTS];
   const uint32_t count = collider_count(w);
   uint32_t pinned = 0;
-  uint32_t budget[3] = {max, max, max};
+  uint32_t budget[2] = {max, RIGID_MESH_TRIANGLES * max};
   FRAY_ASSERT(count <= MAX_BODIES);
   found->colliders = 0;
   found->holder = CONTACT_TRIANGLES_FREE;
-  for (uint32_t n = 0; n < count; ++n) push_off_collider(w, n, budget, found);
+  if (!world_has_membrane(w))
+    for (uint32_t n = 0; n < count; ++n) push_off_collider(w, n, budget);
   for (uint32_t round = 0; round < collider_checks(w); ++round) {
     pinned = 0;
-    budget[0] = budget[1] = max;
+    budget[0] = max;
+    budget[1] = RIGID_MESH_TRIANGLES * max;
     for (uint32_t n = 0; n < count; ++n) pinned += check_collider(w, n, budget, found);
     if (pinned == 0) break;
   }
@@ -284,7 +172,7 @@ static int resolve(fray_world *w, jam *found) {
 
 uint32_t contact_vertices_check(fray_world *w) {
   uint32_t pinned = 0;
-  uint32_t budget[2] = {w->capacity[POOL_CONTACTS], w->capacity[POOL_CONTACTS]};
+  uint32_t budget[2] = {w->capacity[POOL_CONTACTS], RIGID_MESH_TRIANGLES * w->capacity[POOL_CONTACTS]};
   jam found = {0, CONTACT_TRIANGLES_FREE};
   FRAY_ASSERT(world_has_rigid_meshes(w));
   for (uint32_t n = 0; n < collider_count(w); ++n) pinned += check_collider(w, n, budget, &found);

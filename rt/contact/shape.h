@@ -8,6 +8,7 @@
 #include "rt/state/rigid_body.h"
 
 static int64_t shape_extent(const rigid_body *s, vec3 along) __attribute__((unused));
+static int32_t shape_depth(const rigid_body *s, vec3 d, int32_t skin, vec3 *normal) __attribute__((unused));
 
 static inline vec3 shape_axis(const rigid_body *s, uint32_t n) {
   FRAY_ASSERT(n < 3);
@@ -27,7 +28,7 @@ static inline uint64_t shape_apart_squared(const rigid_body *s, int32_t skin) {
 }
 
 /* Depth of d below the surface of a sphere around the origin, and the normal if that is positive. */
-static int32_t shape_round_depth(vec3 d, int32_t radius, vec3 *normal) {
+__attribute__((always_inline)) static inline int32_t shape_round_depth(vec3 d, int32_t radius, vec3 *normal) {
   const uint64_t n = vec_squared(d);
   if (n >= fx_square(radius)) return 0;
   if (n == 0) {
@@ -75,6 +76,9 @@ static int32_t shape_depth(const rigid_body *s, vec3 d, int32_t skin, vec3 *norm
       return 0;
   }
 }
+
+/* The same, out of line. */
+int32_t shape_depth_at(const rigid_body *s, vec3 d, int32_t skin, vec3 *normal);
 
 /* How far a primitive reaches from its centre along a unit vector. All are a sphere swept along a box. */
 static int64_t shape_extent(const rigid_body *s, vec3 along) {

@@ -97,7 +97,7 @@ static void add_body(const fray_world *w, uint32_t b, energy_stored *e) {
     at[n] = wide_product(q28, mass, FX_VELOCITY_BITS + 20u);
   }
   e->bodies = wide_add(e->bodies, wide_shift_down(wide_times(squares, mass, 20), 1));
-  add_potential(w, at, speed, 1, e);
+  add_potential(w, at, speed, world_has_membrane(w) ? elastic_steps(w) : 1u, e);
 }
 
 static void measure_held(const fray_world *w, energy_stored *e) {

@@ -163,15 +163,7 @@ static int64_t thickness_along(vec3 away, int32_t thickness) {
   return (int64_t)(fx_mul_wide_u((uint32_t)thickness, length_q10(away)) >> 10) + 1;
 }
 
-/* part / whole in Q15, rounded down, for 0 <= part <= whole, whole > 0. */
-static int32_t ratio_down(int64_t part, int64_t whole) {
-  FRAY_ASSERT(part >= 0 && part <= whole && whole > 0);
-  const unsigned lz = fx_leading_zeros64((uint64_t)whole);
-  const unsigned s = lz < 48u ? 48u - lz : 0;
-  if (s == 0) return (int32_t)(((uint32_t)part << 15) / (uint32_t)whole);
-  return (int32_t)(((uint32_t)(part >> s) << 15) / ((uint32_t)(whole >> s) + 1u));
-}
-/* The same, rounded up. */
+/* closest_ratio(), rounded up. */
 static int32_t ratio_above(int64_t part, int64_t whole) {
   FRAY_ASSERT(part >= 0 && part <= whole && whole > 0);
   const unsigned lz = fx_leading_zeros64((uint64_t)whole);
@@ -186,7 +178,7 @@ static inline int32_t corner_apart_until(int64_t begin, int64_t end, int32_t now
   FRAY_ASSERT(now >= 0 && now <= apart_until);
   if (begin > 0) {
     if (end > 0) return apart_until;
-    return fx_min(apart_until, fx_max(now, ratio_down(begin, begin - end)));
+    return fx_min(apart_until, fx_max(now, closest_ratio(begin, begin - end)));
   }
   if (end <= 0 || now < ratio_above(-begin, end - begin)) return now;
   return apart_until;
@@ -233,7 +225,7 @@ static vec3 normal_at_start(const moving_face *m, const ccd_contact *c) {
 
 static void fill_contact(const moving_face *m, const closest_point *nearest, ccd_contact *c) {
   for (uint32_t n = 0; n < 2; ++n)
-    c->weight[n] = nearest->whole[n] > 0 ? ratio_down(nearest->part[n], nearest->whole[n]) : 0;
+    c->weight[n] = closest_weight(nearest, n);
   vec3 away = nearest->away;
   if (vec_squared(away) == 0) away = normal_at_start(m, c);
   c->normal = vec_unit(away, vec_make(0, 1 << 30, 0));

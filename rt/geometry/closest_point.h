@@ -32,6 +32,19 @@ vec3 closest_narrow(vec3 v, unsigned bits);
  * to 14 bits. Cost: no loops, no divisions. Source: Ericson 2005, 5.1.5 and 5.1.9. */
 closest_point closest_point_find(const closest_face *f, closest_shape shape);
 
+/* part / whole in Q15, rounded down, for 0 <= part <= whole, whole > 0. */
+static inline int32_t closest_ratio(int64_t part, int64_t whole) {
+  FRAY_ASSERT(part >= 0 && part <= whole && whole > 0);
+  const unsigned lz = fx_leading_zeros64((uint64_t)whole);
+  const unsigned s = lz < 48u ? 48u - lz : 0;
+  if (s == 0) return (int32_t)(((uint32_t)part << 15) / (uint32_t)whole);
+  return (int32_t)(((uint32_t)(part >> s) << 15) / ((uint32_t)(whole >> s) + 1u));
+}
+/* Coordinate n of a closest point, Q15, rounded down; 0 where the face is flat. */
+static inline int32_t closest_weight(const closest_point *nearest, uint32_t n) {
+  return nearest->whole[n] > 0 ? closest_ratio(nearest->part[n], nearest->whole[n]) : 0;
+}
+
 /* An OR of the magnitudes of the components: its width is that of the largest (of -2^n it is n). */
 static inline uint32_t closest_span(vec3 v) {
   return (uint32_t)(v.x ^ fx_asr(v.x, 31)) | (uint32_t)(v.y ^ fx_asr(v.y, 31)) |

@@ -57,7 +57,8 @@ static inline void *image_pointer(const fray_world *w, const image_array *a) {
 }
 
 /* Sections that build options leave out. */
-enum { IMAGE_YARN_COLLISION = 49, IMAGE_RIGID_MESHES = 50, IMAGE_BLADES = 51, IMAGE_TRIANGLE_COLLISION = 52 };
+enum { IMAGE_YARN_COLLISION = 49, IMAGE_RIGID_MESHES = 50, IMAGE_BLADES = 51, IMAGE_TRIANGLE_COLLISION = 52,
+       IMAGE_BEND_STATES = 53 };
 
 /* A world with capacities and arrays in the caller's memory, for the builder: nothing is taken in
  * place. `memory` NULL: only counts. Returns the bytes needed. */

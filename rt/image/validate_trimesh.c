@@ -40,7 +40,8 @@ static int materials_good(const fray_world *w, fray_error *error) {
     }
     for (uint32_t b = 0; b < MATERIAL_BENDS; ++b)
       for (uint32_t k = 0; k < MATERIAL_CURVES; ++k)
-        if (f->bend[b][k] < 0) return image_bad(error, IN_MATERIALS, n, "a bending stiffness of 0 or more");
+        if (f->bend[b][k] < 0 || f->bend[b][k] > MATERIAL_BEND_MAX)
+          return image_bad(error, IN_MATERIALS, n, "a bending stiffness of 0 to 2^26");
   }
   return 1;
 }
@@ -87,6 +88,22 @@ static int strains_good(const smoothed_strain *s) {
   return 1;
 }
 
+/* Offsets of a side are opposite in its two triangles, and none is on the boundary. */
+static int bend_good(const fray_world *w, uint32_t t) {
+  const trimesh *s = &w->trimesh;
+  const bend_state *b = &w->membrane.bend_states[t];
+  for (uint32_t n = 0; n < SMOOTHED_STRAIN_POLES; ++n)
+    if (b->habit[n] < 0 || b->habit[n] > BEND_HABIT_MAX) return 0;
+  for (uint32_t k = 0; k < 3; ++k) {
+    const uint32_t other = s->triangle[t].neighbour[k];
+    if (b->offset[k] < -BEND_OFFSET_MAX || b->offset[k] > BEND_OFFSET_MAX) return 0;
+    if (b->offset[k] !=
+        (other == t ? 0 : -w->membrane.bend_states[other].offset[trimesh_neighbour_edge(s, t, k)]))
+      return 0;
+  }
+  return 1;
+}
+
 static int triangles_good(const fray_world *w, fray_error *error) {
   const trimesh *s = &w->trimesh;
   for (uint32_t t = 0; t < (uint32_t)s->state->triangles; ++t) {
@@ -100,6 +117,9 @@ static int triangles_good(const fray_world *w, fray_error *error) {
       return image_bad(error, IN_AREA, t, "an area of 1 to 2^27 - 1");
     if (!strains_good(&w->membrane.smoothed_strains[t]))
       return image_bad(error, IN_SMOOTHED_STRAINS, t, "strains of -1/2 to 4, shear within 4");
+    if (!bend_good(w, t))
+      return image_bad(error, IMAGE_BEND_STATES, t,
+                       "offsets within 0.3, opposite across a side, and habits of 0 to 8");
     if (s->edge_marks[t] > (world_has_blades(w) ? TRIMESH_MARKS | TRIMESH_PASSING_BLADE : TRIMESH_MARKS))
       return image_bad(error, IN_EDGE_MARKS, t, "two bits a side, and one where meshes cut");
     if (s->material[t] >= (uint32_t)s->params->materials)

@@ -19,23 +19,23 @@ static uint32_t saturated_product(uint64_t a, uint64_t b) {
 
 static uint32_t saturated_sum(uint32_t a, uint32_t b) { return b > UINT32_MAX - a ? UINT32_MAX : a + b; }
 
-/* One particle or triangle for each contact, in each substep; twice where free bodies may be stopped. */
+/* One particle and two triangles for each contact, in each substep; twice where free bodies may be stopped.
+ * A first pass pushes particles of woven cloth, or finds the constraints of a membrane. */
 static void add_rigid_meshes(const fray_world *w, fray_work *most) {
-  const uint64_t looks = collider_checks(w);
   const uint64_t whole = rigid_mesh_meets_triangles(w) != 0;
-  const uint64_t checks = RIGID_MESH_CHECKS * (1u + looks);
+  const uint64_t tests = collider_checks(w);
   uint64_t runs = 1;
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
     if (whole != 0 && w->rigid.bodies[b].motion == FRAY_FREE) runs = 2;
   const uint64_t substeps = (uint32_t)w->params->substeps * runs;
   const uint64_t ways = substeps * w->capacity[POOL_CONTACTS];
-  const uint64_t passes = substeps * collider_count(w) * (1u + looks);
+  const uint64_t passes = substeps * collider_count(w) * (1u + tests);
+  const uint64_t checks = RIGID_MESH_CHECKS * tests;
   most->mesh_tests = saturated_product(w->capacity[POOL_PARTICLES], passes);
-  most->mesh_boxes = saturated_product(
-      ways, RIGID_MESH_VISITS * (2u + looks + whole * (RIGID_MESH_REPULSIONS + 3u + checks)));
-  most->mesh_ccd =
-      saturated_product(ways, RIGID_MESH_NEAR * (RIGID_MESH_ROUNDS + 1u + looks + 3u * whole) +
-                        whole * RIGID_MESH_CLOSE_CCD * (RIGID_MESH_REPULSIONS + checks));
+  const uint64_t triangles = whole * RIGID_MESH_TRIANGLES * (1u + checks);
+  most->mesh_boxes = saturated_product(ways, RIGID_MESH_VISITS * (2u + tests + triangles));
+  most->mesh_ccd = saturated_product(
+      ways, RIGID_MESH_NEAR * (RIGID_MESH_ROUNDS + 1u + tests) + RIGID_MESH_CLOSE_CCD * triangles);
   most->mesh_pins = saturated_product(w->capacity[POOL_PARTICLES],
                                       passes * (1u + whole) + (runs - 1u) * collider_count(w) * substeps);
 }
@@ -63,11 +63,12 @@ static void add_triangle_collision(const fray_world *w, fray_work *most) {
   most->self_merged = saturated_product(w->capacity[POOL_PARTICLES], SELF_PASSES * (SELF_MERGES + 2u) + 2u);
   if (!world_has_rigid_meshes(w)) return;
   most->mesh_tests = saturated_sum(most->mesh_tests, saturated_product(w->capacity[POOL_PARTICLES], looks));
-  most->mesh_boxes = saturated_sum(
-      most->mesh_boxes, saturated_product(contacts, RIGID_MESH_VISITS * looks * (1u + RIGID_MESH_CHECKS)));
+  const uint64_t checks = (uint64_t)RIGID_MESH_TRIANGLES * RIGID_MESH_CHECKS;
+  most->mesh_boxes = saturated_sum(most->mesh_boxes,
+                                   saturated_product(contacts, RIGID_MESH_VISITS * looks * (1u + checks)));
   most->mesh_ccd = saturated_sum(
       most->mesh_ccd,
-      saturated_product(contacts, looks * (RIGID_MESH_NEAR + RIGID_MESH_CLOSE_CCD * RIGID_MESH_CHECKS)));
+      saturated_product(contacts, looks * (RIGID_MESH_NEAR + RIGID_MESH_CLOSE_CCD * checks)));
   most->mesh_pins =
       saturated_sum(most->mesh_pins, saturated_product(w->capacity[POOL_PARTICLES], 2u * looks));
 }
@@ -116,6 +117,8 @@ static void add_membrane(const fray_world *w, fray_work *most) {
   const uint32_t every = (uint32_t)w->membrane.constants->bend_every;
   most->particle_steps = (w->capacity[POOL_PARTICLES] - (uint32_t)p->attached) * steps * substeps;
   most->element_forces = triangles * steps * substeps;
+  most->contact_constraints = saturated_product(
+      (uint64_t)CONSTRAINTS_PER_CONTACT * w->capacity[POOL_CONTACTS], (uint64_t)steps * substeps);
   if (every != 0) most->bend_forces = 3u * triangles / 2u * ((steps + every - 1u) / every) * substeps;
   if (p->tearing == 0) return;
   most->tear_tests = triangles;

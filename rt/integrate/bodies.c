@@ -55,15 +55,16 @@ void bodies_advance(fray_world *w, uint32_t substep) {
                              gravity_step(p->gravity_y, p->gravity_rest_y, &s->gravity_phase[1]),
                              gravity_step(p->gravity_z, p->gravity_rest_z, &s->gravity_phase[2]));
   for (uint32_t b = 0; b < (uint32_t)p->bodies; ++b) {
-    if (w->rigid.bodies[b].motion == FRAY_FREE)
-      fly_body(w, b);
-    else
+    if (w->rigid.bodies[b].motion != FRAY_FREE)
       drive_body(w, b, (int32_t)substep + 1, p->substeps);
+    else if (world_has_membrane(w))
+      w->rigid.motion[b].moved = vec_make(0, 0, 0);
+    else
+      fly_body(w, b);
   }
 }
 
-/* Momentum that the cloth gained since the last substep. */
-static void push_body(fray_world *w, uint32_t b) {
+void body_update_velocity(fray_world *w, uint32_t b) {
   body_motion *m = &w->rigid.motion[b];
   body_state *s = &w->rigid.states[b];
   const int64_t bound = (int64_t)1 << 32;
@@ -80,5 +81,5 @@ static void push_body(fray_world *w, uint32_t b) {
 
 void bodies_update_velocity(fray_world *w) {
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
-    if (w->rigid.bodies[b].motion == FRAY_FREE) push_body(w, b);
+    if (w->rigid.bodies[b].motion == FRAY_FREE) body_update_velocity(w, b);
 }

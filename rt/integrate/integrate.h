@@ -6,11 +6,14 @@
 
 #include "rt/state/world.h"
 
-/* The gravity of this substep; moves driven bodies along their way through the tick, and free ones by their
- * velocity. substep: 0 to params.substeps - 1, in order. */
+/* The gravity of this substep; moves driven bodies along their way through the tick, and, beside woven cloth,
+ * free ones by their velocity: those beside a membrane move in its elastic steps. substep: 0 to
+ * params.substeps - 1, in order. */
 void bodies_advance(fray_world *w, uint32_t substep);
 /* Free bodies gain the opposite of what the cloth gained from them in this substep. */
 void bodies_update_velocity(fray_world *w);
+/* The same of one, for what it gained since the last call. */
+void body_update_velocity(fray_world *w, uint32_t b);
 
 /* Free particles gain gravity and move by their velocity; predicted = position. */
 void particles_advance(fray_world *w);

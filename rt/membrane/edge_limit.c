@@ -1,59 +1,74 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The membrane's last resort, each substep: an edge longer than `edge_limit` times its rest length is
- * shortened to that by projection, one edge after the other, each once, and its ends stop separating. The
- * limit is above the strain at which cloth tears, and so hides no stress below that. Positions move without
- * changing velocities: a load that holds a membrane at its limit would otherwise shake it. No SIMD twin:
- * edges follow one another. */
+/* The membrane's last resort: no edge grows longer than `edge_limit` times its rest length. The
+ * limit is above the strain at which cloth tears, and so hides no stress below that. In each
+ * elastic step an edge near it separates no faster than its room allows, and comes back slowly
+ * where it has none: an impulse on both ends, which takes energy as a contact does
+ * (contact/constraint_solve.c). No SIMD twin: edges follow one another. */
 #include "rt/membrane/membrane.h"
 #include "rt/state/deformation.h"
 
-/* Moves both ends towards each other along one axis, by `product` 2^-30 together: end i by its fraction of
- * that, which is inverse mass over the sum of both; to +-limit. */
-static void approach(int32_t *a, uint32_t i, uint32_t j, int64_t product, int64_t fraction_q24,
-                     int32_t limit) {
-  const int64_t whole = fx_round64(product, 30);
-  const int64_t of_i = fx_round64(whole * fraction_q24, 24);
-  a[i] = fx_clamp_wide(a[i] + of_i, limit);
-  a[j] = fx_clamp_wide(a[j] - (whole - of_i), limit);
+/* An edge is looked after from 29/32 of the limit on. */
+enum { NEAR_SQUARED = 210, NEAR_BITS = 8 };
+
+/* By squares, Q48; `limit` is Q16. */
+static int is_near_limit(uint64_t length2, uint64_t rest2, uint32_t limit) {
+  const uint64_t limit2 = fx_mul_wide_u(limit >> 4, limit >> 4) >> NEAR_BITS; /* Q16 */
+  return length2 >> 24 >= ((rest2 >> 24) * limit2 >> 16) * NEAR_SQUARED >> NEAR_BITS;
 }
 
-static void shorten(fray_world *w, uint32_t i, uint32_t j) {
+static void find_edge(fray_world *w, uint32_t i, uint32_t j) {
   FRAY_ASSERT(i < w->p.count && j < w->p.count && i != j);
   const trimesh *s = &w->trimesh;
-  const uint32_t attached = particles_attached(w);
+  const uint32_t limit = (uint32_t)w->membrane.constants->edge_limit;
   const uint64_t rest2 = fx_square(fx_sub(s->u[j], s->u[i])) + fx_square(fx_sub(s->v[j], s->v[i]));
-  const vec3 d = deformation_edge(w, i, j);
-  const uint64_t length2 = vec_squared(d);
-  if (rest2 == 0 || length2 <= rest2) return;
+  if (rest2 == 0 || !is_near_limit(vec_squared(deformation_edge(w, i, j)), rest2, limit)) return;
   const uint64_t rest = fx_root_length(fx_rsqrt(rest2, FX_ROOT_FINE));
-  const fx_root root = fx_rsqrt(length2, FX_ROOT_FINE);
-  const uint64_t length = fx_root_length(root);
-  const uint64_t limit = rest * (uint32_t)w->membrane.constants->edge_limit >> 16;
-  const uint64_t inverse_i = i < attached ? 0 : (uint32_t)w->membrane.inverse_mass[i];
-  const uint64_t inverse_j = j < attached ? 0 : (uint32_t)w->membrane.inverse_mass[j];
-  if (length <= limit || inverse_i + inverse_j == 0) return;
-  const int64_t fraction = (int64_t)((inverse_i << 24) / (inverse_i + inverse_j));
-  const vec3 unit = vec_root_unit(root, d);
-  const vec3 velocity = vec_sub_saturated(world_velocity(w, j), world_velocity(w, i));
-  const int32_t separating = vec_dot_unit(velocity, unit);
-  const int32_t units[3] = {unit.x, unit.y, unit.z};
-  int32_t *const positions[3][2] = {{w->p.x, w->p.qx}, {w->p.y, w->p.qy}, {w->p.z, w->p.qz}};
-  int32_t *const velocities[3] = {w->p.vx, w->p.vy, w->p.vz};
-  for (uint32_t n = 0; n < 3; ++n) {
-    const int64_t product = (int64_t)(length - limit) * units[n];
-    approach(positions[n][0], i, j, product, fraction, FX_EDGE_MAX);
-    approach(positions[n][1], i, j, product, fraction, FX_WORLD_MAX);
-    if (separating > 0)
-      approach(velocities[n], i, j, (int64_t)separating * units[n], fraction, FX_SPEED_OVER);
-  }
+  limited_edge *e = &w->membrane.limited_edges[w->membrane.limited_edge_count++];
+  e->i = (index_t)i;
+  e->j = (index_t)j;
+  e->length_max = (uint32_t)(rest * limit >> (16 - FX_SUB_BITS));
 }
 
-void edge_limit_apply(fray_world *w) {
-  FRAY_ASSERT(world_has_membrane(w));
-  if (w->membrane.constants->edge_limit == 0) return;
+void edge_limits_find(fray_world *w) {
   const trimesh *s = &w->trimesh;
+  FRAY_ASSERT(world_has_membrane(w));
+  w->membrane.limited_edge_count = 0;
+  if (w->membrane.constants->edge_limit == 0) return;
   for (uint32_t t = 0; t < triangles_in_use(w); ++t)
     for (uint32_t k = 0; k < 3; ++k)
       if (s->triangle[t].neighbour[k] >= t)
-        shorten(w, s->triangle[t].v[trimesh_next(k)], s->triangle[t].v[trimesh_previous(k)]);
+        find_edge(w, s->triangle[t].v[trimesh_next(k)], s->triangle[t].v[trimesh_previous(k)]);
+}
+
+static void solve_edge(fray_world *w, const limited_edge *e, const elastic_step *step) {
+  const elastic_position *place = w->membrane.positions;
+  const vec3 d = vec_wrap_sub(vec_of(place[e->j].at), vec_of(place[e->i].at));
+  const uint64_t k = (uint64_t)step_inverse_mass(w, e->i) + step_inverse_mass(w, e->j);
+  const vec3 velocity =
+      vec_sub_saturated(step_velocity(w, e->j, step), step_velocity(w, e->i, step));
+  const uint64_t squared = vec_squared(d);
+  if (squared == 0 || k == 0) return;
+  const fx_root root = fx_rsqrt(squared, FX_ROOT_FINE);
+  const vec3 unit = vec_root_unit(root, d);
+  const int32_t separating = vec_dot_unit(velocity, unit);
+  const int32_t room = fx_saturate((int64_t)e->length_max - fx_root_length(root));
+  const int32_t least = step_speed_min(room, w->membrane.constants->steps, step->rise);
+  if (-(int64_t)separating >= least) return;
+  const int32_t mass = step_mass_of(k);
+  const vec3 change = vec_scale_unit(unit, fx_saturate(-(int64_t)separating - least));
+  const vec64 impulse = step_impulse_of(mass, change);
+  const vec64 back = {-impulse.x, -impulse.y, -impulse.z};
+  if (step_is_metered(w))
+    step_book(w, FRAY_ENERGY_LIMITS, mass, change,
+              vec_sub_saturated(step_velocity(w, e->j, NULL), step_velocity(w, e->i, NULL)),
+              vec_add_clamped(velocity, change, INT32_MAX));
+  (void)step_push(w, e->j, impulse);
+  (void)step_push(w, e->i, back);
+}
+
+void edge_limits_solve(fray_world *w, const elastic_step *step) {
+  const limited_edge *e = w->membrane.limited_edges;
+  FRAY_ASSERT(w->membrane.limited_edge_count <=
+              (uint32_t)LIMITED_EDGES_PER_TRIANGLE * w->capacity[POOL_TRIANGLES]);
+  for (uint32_t n = 0; n < w->membrane.limited_edge_count; ++n) solve_edge(w, &e[n], step);
 }

@@ -4,28 +4,44 @@
 #ifndef FRAY_MEMBRANE_MEMBRANE_H
 #define FRAY_MEMBRANE_MEMBRANE_H
 
-#include "rt/state/world.h"
+#include "rt/elastic/step_impulse.h"
+#include "rt/simd/membrane_view.h"
 
 /* Once a tick, before the substeps. */
 void membrane_stress_update(fray_world *w); /* stress of every triangle, at the beginning of the tick */
 void membrane_tear_apply(fray_world *w);    /* splits the vertex that exceeds its strength most */
 void blade_cut_apply(fray_world *w);        /* sharp edges and points of rigid meshes cut */
-void membrane_gains_update(fray_world *w);  /* stiffness times area, inverse masses, bending hinges */
+void membrane_gains_update(fray_world *w);  /* stiffness times area, inverse masses, bending */
 void wind_apply(fray_world *w);             /* loads on the boundary, aerodynamic drag */
 
-/* Each substep. */
-void membrane_step_run(fray_world *w, uint32_t substep); /* elastic steps; as particles_advance() */
-void edge_limit_apply(fray_world *w);                    /* shortens edges that are far too long */
+/* Elastic steps, in tick/elastic_steps.c: their beginning; the forces of step `number` of a substep; behind
+ * the constraints on these the motion of free vertices; their end, as particles_advance() leaves them. */
+step_view membrane_step_begin(fray_world *w);
+elastic_step membrane_step_force(fray_world *w, step_view *view, uint32_t substep, int32_t number);
+void membrane_step_move(fray_world *w, const step_view *view);
+void membrane_step_end(fray_world *w);
+/* Edges that are nearly as long as they may be: once a substep, and in each step. */
+void edge_limits_find(fray_world *w);
+void edge_limits_solve(fray_world *w, const elastic_step *step);
 
 /* Parts of these. */
-void bend_prepare(fray_world *w);       /* of membrane_gains_update(): constants of the hinges */
+void bend_prepare(fray_world *w);       /* of membrane_gains_update(): constants of bending */
 void membrane_force_add(fray_world *w); /* of an elastic step: impulses of stress */
-void bend_force_add(fray_world *w);     /* and of bending */
+/* And of bending: BEND_LAST is the last step of a tick, which the state follows; BEND_MEASURED leaves all
+ * state as it is. */
+typedef enum { BEND_STEP, BEND_LAST, BEND_MEASURED } bend_step_kind;
+void bend_force_add(fray_world *w, bend_step_kind kind);
+uint32_t bend_folds_find(fray_world *w); /* folds of the mesh; returns the largest row, see bend_folds.c */
+void bend_habit_update(fray_world *w);   /* from the angles of a bending step */
+void bend_offsets_store(fray_world *w);
 
 #if FRAY_ENERGY
 /* Impulses of stress and bending, as of an elastic step that begins here: for the energy ledger. Uses the
  * arrays of the steps, which begin anew. */
 void membrane_impulses_now(fray_world *w);
+/* Angles of all triangles' sides in membrane.moments, in the same way. */
+void membrane_angles_now(fray_world *w);
+void bend_angles_find(fray_world *w); /* a part of it */
 #endif
 
 /* Stiffness that triangle t keeps, Q30 of 0..1: less than 1 where a tear or a cut left it too low for the

@@ -13,6 +13,7 @@
  * impulse of a corner is held to 2^26 - 2^22: those of 16 triangles fit 32 bits, with as much as bending and
  * the wind may add. */
 #include "rt/membrane/membrane.h"
+#include "rt/membrane/strain_law.h"
 #include "rt/simd/simd.h"
 #include "rt/state/deformation.h"
 
@@ -47,7 +48,12 @@ static void force_triangle(const force_view *view, uint32_t t) {
   const deformation d =
       deformation_from_edges(edge_vector(view->place, v[0], v[1]), edge_vector(view->place, v[0], v[2]), r,
                              FX_VELOCITY_BITS + ELASTIC_DIFFERENCE_MORE);
-  const material_tensor stress = material_stress(view->gains[t].c, material_strain(d.u, d.v));
+  const material_tensor strain = material_strain(d.u, d.v);
+  material_tensor counted;
+  const material_tensor stress =
+      strain_law_may_apply(strain, view->strain_threshold[t])
+          ? strain_law_stress(view->gains[t].c, strain, view->strain_threshold[t], &counted)
+          : material_stress(view->gains[t].c, strain);
   const axis_impulses x = axis_impulses_of(r, d.u.x, d.v.x, &stress);
   const axis_impulses y = axis_impulses_of(r, d.u.y, d.v.y, &stress);
   const axis_impulses z = axis_impulses_of(r, d.u.z, d.v.z, &stress);
@@ -59,7 +65,7 @@ static void force_triangle(const force_view *view, uint32_t t) {
 void membrane_force_add(fray_world *w) {
   FRAY_ASSERT(world_has_membrane(w));
   const force_view view = {w->membrane.positions, w->membrane.impulse, w->trimesh.triangle,
-                           w->trimesh.weights, w->membrane.gains};
+                           w->trimesh.weights, w->membrane.gains, w->membrane.strain_threshold};
   const uint32_t count = triangles_in_use(w);
   uint32_t t = 0;
   while (t < count) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What the elastic steps multiply by, once a tick, after tears and cuts have divided areas and masses:
- * inverse masses of vertices, gains of triangles, constants of hinges.
+ * inverse masses of vertices, gains of triangles, constants of bending.
  *
  * Impulses are in masses of a particle times Q26 lu per substep. With the stress in N/m, the area A in lu^2,
  * a weight r in 1/lu, a substep of h, i elastic steps and a particle of m
@@ -9,21 +9,49 @@
  *
  * with c at the smoothed strain (state/material.h). */
 #include "rt/membrane/membrane.h"
+#include "rt/membrane/strain_law.h"
 
 enum { SOFTENED = 751619277 /* 7/10 in Q30 */ };
 
-/* Elastic steps of this length can bear weights up to weight2_max. The square of a weight's length is that of
- * 1 / height. A right triangle vibrates at most by 1.6 of the largest, a flat one by 2 of it, and with no
- * neighbour that holds it back: it keeps 7/10 of what could be borne. */
+/* Elastic steps of this length bear norm2_max, in small motion: what a tear leaves beyond it has no neighbour
+ * that holds it back and is soon far from its shape, so it keeps 7/10 of what could be borne. */
 int32_t membrane_softening(const fray_world *w, uint32_t t) {
   FRAY_ASSERT(t < triangles_in_use(w));
-  const trimesh_weights *r = &w->trimesh.weights[t];
-  const uint64_t squares[3] = {fx_square(r->u1) + fx_square(r->v1), fx_square(r->u2) + fx_square(r->v2),
-                               fx_square(fx_add(r->u1, r->u2)) + fx_square(fx_add(r->v1, r->v2))};
-  const uint64_t larger = squares[0] > squares[1] ? squares[0] : squares[1];
-  const uint64_t largest = (larger > squares[2] ? larger : squares[2]) >> 32; /* Q12 */
-  const uint32_t limit = (uint32_t)w->membrane.constants->weight2_max;
-  return largest <= limit ? 1 << 30 : (int32_t)fx_divide_wide((uint64_t)limit * SOFTENED, (uint32_t)largest);
+  const trimesh_gram gram = trimesh_gram_of(&w->trimesh.weights[t]);
+  const uint32_t max = (uint32_t)w->membrane.constants->norm2_max;
+  if (trimesh_gram_is_within(&gram, max)) return 1 << 30;
+  const uint32_t norm2 = trimesh_norm2(&gram);
+  /* halves: a divisor is at most 2^31 */
+  return (int32_t)fx_divide_wide((uint64_t)max * (SOFTENED / 2), norm2 / 2u);
+}
+
+/* The stiffest mode of gains, in their format: of a strain both ways, or of shear. */
+static uint32_t stiffest_mode(const int32_t c[MATERIAL_ENTRIES]) {
+  const int32_t apart = fx_sub(c[0], c[2]);
+  const uint64_t squared = (fx_square(apart) >> 2) + fx_square(c[1]);
+  const uint32_t root = squared == 0 ? 0 : fx_root_length(fx_rsqrt(squared, FX_ROOT_FINE));
+  const uint32_t both = (uint32_t)(((uint64_t)(uint32_t)c[0] + (uint32_t)c[2]) >> 1) + root + 1u;
+  const uint32_t shear = 2u * (uint32_t)c[3];
+  return both > shear ? both : shear;
+}
+
+static int can_tear(const tear_strength *k) {
+  int32_t all = 0;
+  for (uint32_t n = 0; n < TEAR_STRENGTH_DIRECTIONS; ++n) all |= k->strength[n];
+  return all != 0;
+}
+
+/* w^2 h^2 at rest is mode norm2 over what a corner weighs, its area / mass_unit, and the steps. Cloth that
+ * neither tears nor has a limit may hold any load: it keeps c G. */
+static int32_t threshold_of(const fray_world *w, uint32_t t, const int32_t c[MATERIAL_ENTRIES]) {
+  const tear_strength *strength = &w->membrane.tear_strengths[w->trimesh.material[t]];
+  if (w->membrane.constants->edge_limit == 0 && !can_tear(strength)) return STRAIN_LAW_NEVER;
+  const trimesh_gram gram = trimesh_gram_of(&w->trimesh.weights[t]);
+  const uint64_t slope = fx_mul_wide_u(stiffest_mode(c), trimesh_norm2(&gram)) >> 22; /* Q20 */
+  const uint32_t weighs =
+      fx_divide_wide((uint64_t)w->trimesh.area[t] << 30, (uint32_t)w->membrane.constants->mass_unit);
+  return strain_law_threshold(slope > INT32_MAX ? INT32_MAX : (uint32_t)slope, weighs,
+                              (uint32_t)w->membrane.constants->steps);
 }
 
 static void update_inverse_masses(fray_world *w) {
@@ -47,6 +75,7 @@ void membrane_gains_update(fray_world *w) {
     const int32_t gain = fx_mul_round(area, w->membrane.constants->force_gain, 30);
     for (uint32_t n = 0; n < MATERIAL_ENTRIES; ++n)
       c[n] = fx_mul_saturated(c[n], gain, shift);
+    w->membrane.strain_threshold[t] = threshold_of(w, t, c);
   }
   bend_prepare(w);
 }

@@ -1,25 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Elastic steps of the membrane: `steps` shorter steps of symplectic Euler within a substep, as stress and
- * bending are too stiff for one. SIMD twin of a step: rt/simd/membrane_step_lanes.inl.h.
+/* An elastic step of the membrane, one of the `steps` shorter steps of symplectic Euler within a substep, as
+ * stress and bending are too stiff for one: tick/elastic_steps.c is their loop. SIMD twin of a step:
+ * rt/simd/membrane_step_lanes.inl.h.
  *
- *   impulse      loads, stress (membrane_force.c) and bending (bend_force.c), Q26 masses of a particle times
- *                lu per substep
+ *   impulse      loads, stress (membrane_force.c), bending (bend_force.c), limits and contacts, Q26 masses of
+ *                a particle times lu per substep
  *   velocity     += impulse * inverse mass, less drag, plus gravity; Q28 lu per substep
  *   position     += velocity / steps; Q28 lu, and 31 bits below it */
 #include "rt/base/bytes.h"
 #include "rt/membrane/membrane.h"
 #include "rt/membrane/step_meter.h"
 #include "rt/simd/simd.h"
-
-/* Part n of a whole that is divided into so many parts: floors, which add up to the whole. */
-static int32_t part_of(int32_t whole, int32_t n, int32_t parts) {
-  FRAY_ASSERT(n >= 0 && n < parts);
-  const int64_t before = (int64_t)whole * n;
-  const int64_t after = before + whole;
-  const int64_t low = before >= 0 ? before / parts : -((-before + parts - 1) / parts);
-  const int64_t high = after >= 0 ? after / parts : -((-after + parts - 1) / parts);
-  return (int32_t)(high - low);
-}
 
 static step_view view_of(fray_world *w) {
   const int32_t steps = w->membrane.constants->steps;
@@ -46,7 +37,7 @@ static void begin_step(const fray_world *w, step_view *view, uint32_t substep, i
   const uint32_t steps_a_tick = (uint32_t)steps * (uint32_t)w->params->substeps;
   const uint32_t number =
       fx_wrap_mul_u((uint32_t)w->state->tick[0], steps_a_tick) + substep * (uint32_t)steps + (uint32_t)step;
-  for (uint32_t n = 0; n < 3; ++n) view->gravity[n] = part_of(gravity[n], step, steps);
+  for (uint32_t n = 0; n < 3; ++n) view->gravity[n] = step_part_of(gravity[n], step, steps);
   view->dither = (int32_t)(fx_wrap_mul_u(number, 2654435769u) >> 2);
 }
 
@@ -74,40 +65,13 @@ static void step_vertex(const step_view *k, uint32_t p) {
   k->place[p].low_bits = elastic_low_bits(k->low[0][p], k->low[1][p], k->low[2][p]);
 }
 
-/* An attached vertex moves with its body, which gets its impulse. */
-static void step_attached(fray_world *w, uint32_t p, int32_t step) {
-  FRAY_ASSERT(p < particles_attached(w) && w->p.attach_body[p] < w->capacity[POOL_BODIES]);
-  enum { MORE_BITS = FX_VELOCITY_BITS - ELASTIC_IMPULSE_BITS };
-  body_motion *m = &w->rigid.motion[w->p.attach_body[p]];
-  const int32_t moved[3] = {m->moved.x, m->moved.y, m->moved.z};
-  const int32_t impulse[3] = {w->membrane.impulse[p].x, w->membrane.impulse[p].y, w->membrane.impulse[p].z};
-  for (uint32_t n = 0; n < 3; ++n) {
-    int32_t *at = &w->membrane.positions[p].at[n];
-    m->impulse[n] = fx_add64(m->impulse[n], -(int64_t)impulse[n] * (1 << MORE_BITS));
-    if (moved[n] != 0)
-      *at = fx_wrap_add(*at,
-                        part_of(fx_wrap_shift(moved[n], FX_SUB_BITS), step, w->membrane.constants->steps));
-  }
-}
-
-static void step_vertices(fray_world *w, const step_view *view, int32_t step) {
-  const uint32_t attached = particles_attached(w);
-  const uint32_t count = w->p.count;
-  for (uint32_t p = 0; p < attached; ++p) step_attached(w, p, step);
-  uint32_t p = attached;
-  while (p < count) {
-    p += simd_membrane_step(w->kernel, view, p, count);
-    if (p < count) step_vertex(view, p++);
-  }
-}
-
 static int32_t to_q28(int32_t x, int32_t remainder) {
   return fx_wrap_add(fx_wrap_shift(x, FX_SUB_BITS), remainder);
 }
 
 /* The remainder of an attached vertex is that of its body. */
-static int32_t remainder_of(const fray_world *w, const int8_t *r, uint32_t p) {
-  return p < particles_attached(w) ? 0 : r[p];
+static int32_t remainder_of(const fray_world *w, const int8_t *r, uint32_t p, uint32_t axis) {
+  return p < particles_attached(w) ? w->rigid.states[w->p.attach_body[p]].remainder[axis] : r[p];
 }
 
 static void begin_steps(fray_world *w) {
@@ -115,9 +79,9 @@ static void begin_steps(fray_world *w) {
   const int32_t half = 1 << (ELASTIC_LOW_BITS - 1); /* so that what end_steps() drops is rounded */
   for (uint32_t p = 0; p < w->p.count; ++p) {
     elastic_position *place = &w->membrane.positions[p];
-    place->at[0] = to_q28(w->p.x[p], remainder_of(w, w->p.rx, p));
-    place->at[1] = to_q28(w->p.y[p], remainder_of(w, w->p.ry, p));
-    place->at[2] = to_q28(w->p.z[p], remainder_of(w, w->p.rz, p));
+    place->at[0] = to_q28(w->p.x[p], remainder_of(w, w->p.rx, p, 0));
+    place->at[1] = to_q28(w->p.y[p], remainder_of(w, w->p.ry, p, 1));
+    place->at[2] = to_q28(w->p.z[p], remainder_of(w, w->p.rz, p, 2));
     place->low_bits = elastic_low_bits(half, half, half);
     w->membrane.low_x[p] = w->membrane.low_y[p] = w->membrane.low_z[p] = half;
   }
@@ -157,26 +121,50 @@ void membrane_impulses_now(fray_world *w) {
   begin_steps(w);
   bytes_zero(w->membrane.impulse, w->p.count * sizeof *w->membrane.impulse);
   membrane_force_add(w);
-  if (w->membrane.constants->bend_every != 0) bend_force_add(w);
+  if (w->membrane.constants->bend_every != 0) bend_force_add(w, BEND_MEASURED);
   w->work = work;
+}
+
+void membrane_angles_now(fray_world *w) {
+  begin_steps(w);
+  bend_angles_find(w);
 }
 #endif
 
-void membrane_step_run(fray_world *w, uint32_t substep) {
-  const int32_t steps = w->membrane.constants->steps;
-  const int32_t bend_every = w->membrane.constants->bend_every;
-  step_view view = view_of(w);
-  FRAY_ASSERT(world_has_membrane(w) && substep < (uint32_t)w->params->substeps);
-  FRAY_ASSERT(w->p.count <= w->capacity[POOL_PARTICLES]);
+step_view membrane_step_begin(fray_world *w) {
+  FRAY_ASSERT(world_has_membrane(w) && w->p.count <= w->capacity[POOL_PARTICLES]);
   begin_steps(w);
-  for (int32_t step = 0; step < steps; ++step) {
-    begin_impulses(w);
-    membrane_force_add(w);
-    if (bend_every != 0 && step % bend_every == 0) bend_force_add(w);
-    begin_step(w, &view, substep, step);
-    step_vertices(w, &view, step);
-    step_meter(w, &view);
+  return view_of(w);
+}
+
+elastic_step membrane_step_force(fray_world *w, step_view *view, uint32_t substep, int32_t number) {
+  const int32_t bend_every = w->membrane.constants->bend_every;
+  const int is_last = substep + 1u == (uint32_t)w->params->substeps &&
+                      w->membrane.constants->steps - number <= bend_every;
+  FRAY_ASSERT(substep < (uint32_t)w->params->substeps && number < w->membrane.constants->steps);
+  begin_impulses(w);
+  membrane_force_add(w);
+  if (bend_every != 0 && number % bend_every == 0)
+    bend_force_add(w, is_last ? BEND_LAST : BEND_STEP);
+  begin_step(w, view, substep, number);
+  const elastic_step step = {{view->gravity[0], view->gravity[1], view->gravity[2]},
+                             view->part,
+                             step_rise_of(w)};
+  return step;
+}
+
+void membrane_step_move(fray_world *w, const step_view *view) {
+  const uint32_t count = w->p.count;
+  uint32_t p = particles_attached(w);
+  while (p < count) {
+    p += simd_membrane_step(w->kernel, view, p, count);
+    if (p < count) step_vertex(view, p++);
   }
+  step_meter(w, view);
+  w->work.particle_steps += count - particles_attached(w);
+}
+
+void membrane_step_end(fray_world *w) {
+  FRAY_ASSERT(world_has_membrane(w));
   end_steps(w);
-  w->work.particle_steps += (w->p.count - particles_attached(w)) * (uint32_t)steps;
 }

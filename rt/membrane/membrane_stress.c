@@ -49,7 +49,7 @@ void membrane_stress_update(fray_world *w) {
   const trimesh *s = &w->trimesh;
   const membrane_params *c = w->membrane.constants;
   const stress_view view = {{w->p.x, w->p.y, w->p.z}, s->triangle, s->weights, w->membrane.materials,
-                            s->material, (unsigned)c->smoothing_shift, c->weight2_max,
+                            s->material, (unsigned)c->smoothing_shift, c->norm2_max,
                             w->membrane.smoothed_strains, w->membrane.gains, w->membrane.stress};
   const uint32_t count = triangles_in_use(w);
   uint32_t t = 0;

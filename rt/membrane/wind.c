@@ -12,7 +12,12 @@
  * a third to each corner. In masses m of a particle and Q28 lu per substep, with w in lu per
  * substep, s substeps a tick and |N| = 2 A, the impulse of a corner in a tick is
  *
- *   |N| w^2 gain,  gain = p c lu^3 s / (12 m) 2^28 */
+ *   |N| w^2 gain,  gain = p c lu^3 s / (12 m) 2^28
+ *
+ * Once a tick that would turn w round on cloth of a few g/m2. So air takes at most half of w from a triangle
+ * in a tick, along the normal and across it: a corner has its own part M of its vertex's mass, the square of
+ * a vertex's J over its mass is at most the sum of theirs, and with J = s M w, s below 2, air at rest takes
+ * energy. */
 #include "rt/base/bytes.h"
 #include "rt/membrane/membrane.h"
 #include "rt/simd/simd.h"
@@ -74,6 +79,14 @@ static int32_t mean(const int32_t *v, const index_t *corner) {
   return (int32_t)(((int64_t)v[corner[0]] + v[corner[1]] + v[corner[2]]) / 3);
 }
 
+/* To what takes half of this speed from a triangle: M = area / mass_unit. */
+static int32_t limit_impulse(const fray_world *w, uint32_t t, int32_t impulse, int32_t speed) {
+  const uint64_t most = fx_mul_wide_u(w->trimesh.area[t], (uint32_t)speed) / 2;
+  const uint32_t unit = (uint32_t)w->membrane.constants->mass_unit;
+  FRAY_ASSERT(impulse >= 0 && speed >= 0);
+  return fx_mul_wide_u((uint32_t)impulse, unit) <= most ? impulse : (int32_t)fx_divide_wide(most, unit);
+}
+
 static int64_t square_q28(int32_t v) { return fx_round64(fx_mul_wide(v, v), 28); }
 
 static void wind_triangle(fray_world *w, uint32_t t) {
@@ -86,16 +99,20 @@ static void wind_triangle(fray_world *w, uint32_t t) {
   const vec3 velocity = vec_make(mean(w->p.vx, v), mean(w->p.vy, v), mean(w->p.vz, v));
   const vec3 wind = vec_sub_saturated(vec_of(c->wind), velocity);
   const int32_t normal_speed = fx_clamp(vec_dot_unit(wind, n.unit), -FX_SPEED_MAX, FX_SPEED_MAX);
-  const int64_t pressure = square_q28(normal_speed) * (normal_speed < 0 ? -1 : 1);
-  const int32_t push = impulse_of(fx_mul64(pressure, n.length), c->wind_normal, (unsigned)c->wind_shift);
-  vec3 j = vec_scale_unit(n.unit, push);
+  const int64_t pressure = square_q28(normal_speed);
+  const int32_t push =
+      limit_impulse(w, t, impulse_of(fx_mul64(pressure, n.length), c->wind_normal, (unsigned)c->wind_shift),
+                    (int32_t)fx_magnitude(normal_speed));
+  vec3 j = vec_scale_unit(n.unit, normal_speed < 0 ? -push : push);
   const vec3 normal_part = vec_scale_unit(n.unit, normal_speed);
   const vec3 tangential = vec_clamp(vec_wrap_sub(wind, normal_part), FX_SPEED_MAX);
   if (c->wind_drag != 0 && vec_squared(tangential) != 0) {
     const vec_direction along = vec_direction_of(tangential);
     const uint64_t speed = along.length < DRAG_SPEED_MAX ? along.length : DRAG_SPEED_MAX;
     const int64_t squared = square_q28((int32_t)speed);
-    const int32_t drag = impulse_of(fx_mul64(squared, n.length), c->wind_drag, (unsigned)c->wind_shift);
+    const int32_t drag =
+        limit_impulse(w, t, impulse_of(fx_mul64(squared, n.length), c->wind_drag, (unsigned)c->wind_shift),
+                      (int32_t)speed);
     j = vec_add(j, vec_scale_unit(along.unit, drag));
   }
   for (uint32_t k = 0; k < 3; ++k) add_impulse(&w->membrane.impulse[v[k]], j);
@@ -110,7 +127,8 @@ static void apply_wind(fray_world *w) {
   const uint32_t triangles = triangles_in_use(w);
   elastic_impulse *sum = w->membrane.impulse; /* elastic steps begin it anew */
   const wind_view view = {
-      {w->p.x, w->p.y, w->p.z}, {w->p.vx, w->p.vy, w->p.vz}, w->trimesh.triangle, w->membrane.constants, sum};
+      {w->p.x, w->p.y, w->p.z}, {w->p.vx, w->p.vy, w->p.vz}, w->trimesh.triangle, w->trimesh.area,
+      w->membrane.constants, sum};
   bytes_zero(sum, w->p.count * sizeof *sum);
   /* the first triangle left to this code may saturate a sum, so all that follow are left to it too */
   for (uint32_t t = simd_wind(w->kernel, &view, 0, triangles); t < triangles; ++t) wind_triangle(w, t);

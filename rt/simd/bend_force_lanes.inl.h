@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Scalar twin: rt/membrane/bend_force.c, same order of operations. Forces of bending hinges, LANES at a
- * time. */
+/* Scalar twin: rt/membrane/bend_force.c, same order of operations. The five passes of a bending step, LANES
+ * at a time; the last elements, fewer than LANES, are left to the scalar code, and groups in which a value
+ * would be clamped beyond 32 bits. */
 #ifndef FRAY_SIMD_BEND_FORCE_LANES_INL_H
 #define FRAY_SIMD_BEND_FORCE_LANES_INL_H
 
@@ -8,122 +9,176 @@
 #include "rt/simd/record_lanes.inl.h"
 
 #ifdef LANES_HAVE_64
-enum {
-  BEND_FORCE_LANES_FAR = 54,
-  BEND_FORCE_LANES_WORDS = sizeof(bend_hinge) / 4,
-  BEND_FORCE_LANES_CONSTANTS = BEND_FORCE_LANES_WORDS - 4
-};
+enum { BEND_FORCE_LANES_BITS = 30 }; /* of what is rounded */
 
-/* Words of a bend_hinge after its vertices. */
-enum {
-  BEND_FORCE_LANES_STIFF = 0,
-  BEND_FORCE_LANES_CURVATURE = MATERIAL_CURVES,
-  BEND_FORCE_LANES_HEIGHT,
-  BEND_FORCE_LANES_FOOT = BEND_FORCE_LANES_HEIGHT + 2
-};
+LANES_INLINE void bend_force_lanes_row(uint32_t first, uint32_t at[LANES]) {
+  for (uint32_t n = 0; n < (uint32_t)LANES; ++n) at[n] = first + n;
+}
+LANES_INLINE lanes bend_force_lanes_mul30(lanes a, lanes b) { return lanes64_round(lanes64_mul(a, b), 30); }
+LANES_INLINE const uint32_t *bend_force_lanes_ids(const bend_view *v, uint32_t column, uint32_t first) {
+  return (const uint32_t *)(const void *)(bend_fold(v, column) + first);
+}
+/* Stores to the sides at these places. */
+LANES_INLINE void bend_force_lanes_scatter(const bend_view *v, const uint32_t *place, lanes m) {
+  int32_t *const to = v->moment->side;
+  int32_t words[LANES];
+  lanes_store(words, m);
+  for (uint32_t n = 0; n < (uint32_t)LANES; ++n) to[place[n]] = words[n];
+}
 
-typedef struct {
-  uint32_t id[4][LANES];
-  lanes side[3], to1[3], to2[3];
-  lanes word[BEND_FORCE_LANES_CONSTANTS];
-  lane_mask flat; /* a triangle without area, an edge without length, or no angle */
-  lanes64 far;
-} bend_force_lanes;
-
-LANES_INLINE void bend_force_lanes_load(const bend_view *v, uint32_t first, uint32_t count,
-                                        bend_force_lanes *s) {
-  const int32_t *from = v->hinges->stiffness;
-  uint32_t of[LANES];
-  lanes at[4][4], word[4];
-  for (uint32_t n = 0; n < (uint32_t)LANES; ++n) {
-    of[n] = first + (n < count ? n : 0);
-    for (uint32_t k = 0; k < 4; ++k) s->id[k][n] = v->hinges[of[n]].vertex[k];
-  }
+LANES_INLINE int bend_normals_lanes_group(const bend_view *v, uint32_t first, uint32_t count) {
+  uint32_t id[3][LANES];
+  lanes at[3][4], d1[3], d2[3], normal[3], unit[4];
+  lane_mask flat = mask_none();
+  if (count < (uint32_t)LANES) return 0;
+  for (uint32_t n = 0; n < (uint32_t)LANES; ++n)
+    for (uint32_t k = 0; k < 3; ++k) id[k][n] = v->triangle[first + n].v[k];
   LANES_UNROLL
-  for (int k = 0; k < 4; ++k) record_lanes_load(v->place->at, 4, s->id[k], at[k]);
+  for (int k = 0; k < 3; ++k) record_lanes_load(v->place->at, 4, id[k], at[k]);
   LANES_UNROLL
   for (int n = 0; n < 3; ++n) {
-    s->side[n] = lanes_clamp(lanes_sub(at[3][n], at[2][n]), HINGE_REACH);
-    s->to1[n] = lanes_clamp(lanes_sub(at[0][n], at[3][n]), HINGE_REACH);
-    s->to2[n] = lanes_clamp(lanes_sub(at[1][n], at[3][n]), HINGE_REACH);
+    d1[n] = lanes_clamp(lanes_sub(at[1][n], at[0][n]), BEND_REACH);
+    d2[n] = lanes_clamp(lanes_sub(at[2][n], at[0][n]), BEND_REACH);
   }
+  lanes64_cross(d1, d2, 28, normal);
+  (void)lanes_direction(normal, BEND_FLAT, unit, &flat);
+  unit[3] = lanes_set(1);
+  const lane_mask valid = mask_and_not(lanes_greater(lanes_set(1), lanes_set(0)), flat);
   LANES_UNROLL
-  for (int n = 0; n < BEND_FORCE_LANES_CONSTANTS; n += 4) {
-    const int k = n + 4 > BEND_FORCE_LANES_CONSTANTS ? BEND_FORCE_LANES_CONSTANTS - 4 : n;
-    record_lanes_load(from + k, BEND_FORCE_LANES_WORDS, of, word);
-    LANES_UNROLL
-    for (int m = 0; m < 4; ++m) s->word[k + m] = word[m];
-  }
-}
-
-LANES_INLINE lanes bend_force_lanes_half_angle(bend_force_lanes *s, const lanes n1[3], const lanes n2[3]) {
-  lanes off[3], unused[3];
-  LANES_UNROLL
-  for (int n = 0; n < 3; ++n) off[n] = lanes_asr(lanes_sub(n1[n], n2[n]), 1);
-  return lanes_direction(off, 1, unused, &s->flat);
-}
-
-LANES_INLINE lanes bend_force_lanes_stiffness(bend_force_lanes *s, lanes half) {
-  const lanes64 place = lanes64_mul(half, s->word[BEND_FORCE_LANES_CURVATURE]);
-  const lanes whole = lanes64_low(lanes64_shr(place, 28));
-  const lanes step = lanes64_low(lanes64_shr(lanes64_shr(place, 30), 22));
-  const lanes within = lanes_and(whole, lanes_set(0xFFFFFF));
-  lanes from = s->word[BEND_FORCE_LANES_STIFF];
-  lanes to = s->word[BEND_FORCE_LANES_STIFF + 1];
-  LANES_UNROLL
-  for (int n = 1; n < MATERIAL_CURVES; ++n) {
-    const lane_mask beyond = lanes_greater(step, lanes_set(n - 1));
-    from = lanes_select(beyond, s->word[BEND_FORCE_LANES_STIFF + n], from);
-    to = lanes_select(beyond, s->word[BEND_FORCE_LANES_STIFF + (n + 1 < MATERIAL_CURVES ? n + 1 : n)], to);
-  }
-  return lanes_add(from, lanes64_round(lanes64_mul(lanes_sub(to, from), within), 24));
-}
-
-LANES_INLINE void bend_force_lanes_impulse(bend_force_lanes *s, lanes turning, lanes height,
-                                           const lanes normal[3], lanes j[3]) {
-  const lanes64 size = lanes64_mul(turning, height);
-  const lanes held = lanes_clamp(lanes64_round(size, 24), BEND_MAX);
-  s->far = lanes64_or_size(s->far, size);
-  LANES_UNROLL
-  for (int n = 0; n < 3; ++n) j[n] = lanes_scale_unit(normal[n], held);
-}
-
-LANES_INLINE int bend_force_lanes_group(const bend_view *v, uint32_t first, uint32_t count) {
-  bend_force_lanes s;
-  lanes area1[3], area2[3], n1[3], n2[3], j1[4], j2[4], j3[4], back[4];
-  bend_force_lanes_load(v, first, count, &s);
-  s.far = lanes64_set(0);
-  s.flat = lanes64_less(lanes64_dot(s.side, s.side), HINGE_MIN);
-  lanes64_cross(s.side, s.to1, 28, area1);
-  lanes64_cross(s.to2, s.side, 28, area2);
-  (void)lanes_direction(area1, HINGE_MIN, n1, &s.flat);
-  (void)lanes_direction(area2, HINGE_MIN, n2, &s.flat);
-  const lanes half = bend_force_lanes_half_angle(&s, n1, n2);
-  const lanes size = lanes64_round(lanes64_mul(bend_force_lanes_stiffness(&s, half), half), 30);
-  const lanes64 up = lanes64_dot(s.to2, n1);
-  const lane_mask down = lanes64_less(up, 1 << 29); /* rounded, it is not above zero */
-  const lanes turning = lanes_select(down, size, lanes_sub(lanes_set(0), size));
-  bend_force_lanes_impulse(&s, turning, s.word[BEND_FORCE_LANES_HEIGHT], n1, j1);
-  bend_force_lanes_impulse(&s, turning, s.word[BEND_FORCE_LANES_HEIGHT + 1], n2, j2);
-  if (lanes64_any_beyond(s.far, BEND_FORCE_LANES_FAR)) return 0;
-  const lane_mask bent = mask_and_not(lanes_greater(lanes_set(1), lanes_set(0)), s.flat);
-  LANES_UNROLL
-  for (int n = 0; n < 3; ++n) {
-    j1[n] = lanes_or_zero(bent, j1[n]);
-    j2[n] = lanes_or_zero(bent, j2[n]);
-    j3[n] = lanes_add(lanes64_round(lanes64_mul(j1[n], s.word[BEND_FORCE_LANES_FOOT]), 24),
-                      lanes64_round(lanes64_mul(j2[n], s.word[BEND_FORCE_LANES_FOOT + 1]), 24));
-    back[n] = lanes_sub(lanes_set(0), lanes_add(lanes_add(j1[n], j2[n]), j3[n]));
-  }
-  j1[3] = j2[3] = j3[3] = back[3] = lanes_set(0);
-  record_lanes_add(&v->sum->x, s.id[0], count, j1);
-  record_lanes_add(&v->sum->x, s.id[1], count, j2);
-  record_lanes_add(&v->sum->x, s.id[2], count, j3);
-  record_lanes_add(&v->sum->x, s.id[3], count, back);
+  for (int n = 0; n < 4; ++n) unit[n] = lanes_or_zero(valid, unit[n]);
+  record_lanes_store(v->normal[first].n, unit);
   return 1;
 }
 
-LANES_RUN_GROUPS(bend_force_lanes_run, bend_view, bend_force_lanes_group)
+/* 2 asin(s). */
+LANES_INLINE lanes bend_force_lanes_angle(lanes s) {
+  const lanes x = bend_force_lanes_mul30(s, s);
+  lanes sum = lanes_add(bend_force_lanes_mul30(lanes_set(BEND_ASIN_4), x), lanes_set(BEND_ASIN_3));
+  sum = lanes_add(bend_force_lanes_mul30(sum, x), lanes_set(BEND_ASIN_2));
+  sum = lanes_add(bend_force_lanes_mul30(sum, x), lanes_set(BEND_ASIN_1));
+  sum = lanes_add(bend_force_lanes_mul30(sum, x), lanes_set(BEND_ASIN_0));
+  return bend_force_lanes_mul30(s, sum);
+}
+
+LANES_INLINE void bend_force_lanes_normal(const bend_view *v, const uint32_t *place, lanes normal[4]) {
+  uint32_t of[LANES];
+  for (uint32_t n = 0; n < (uint32_t)LANES; ++n) of[n] = place[n] / 4u;
+  record_lanes_load(v->normal->n, 4, of, normal);
+}
+
+LANES_INLINE int bend_folds_lanes_group(const bend_view *v, uint32_t first, uint32_t count) {
+  lanes n1[4], n2[4], base[4], opposite[4], up[3], off[3], m;
+  if (count < (uint32_t)LANES) return 0;
+  const uint32_t *const one = bend_force_lanes_ids(v, FOLD_FIRST, first);
+  const uint32_t *const two = bend_force_lanes_ids(v, FOLD_SECOND, first);
+  bend_force_lanes_normal(v, one, n1);
+  bend_force_lanes_normal(v, two, n2);
+  record_lanes_load(v->place->at, 4, bend_force_lanes_ids(v, FOLD_BASE, first), base);
+  record_lanes_load(v->place->at, 4, bend_force_lanes_ids(v, FOLD_OPPOSITE, first), opposite);
+  LANES_UNROLL
+  for (int n = 0; n < 3; ++n) {
+    up[n] = lanes_clamp(lanes_sub(opposite[n], base[n]), BEND_REACH);
+    off[n] = lanes_asr(lanes_sub(n1[n], n2[n]), 1);
+  }
+  const lanes64 squared = lanes64_dot(off, off);
+  const lanes_root root = lanes_rsqrt(squared, &m);
+  const lanes size = bend_force_lanes_angle(lanes_root_length(root, m));
+  const lane_mask folded =
+      mask_and_not(lanes_greater(lanes_and(n1[3], n2[3]), lanes_set(0)), lanes64_less(squared, 1));
+  const lane_mask down = lanes64_less(lanes64_dot(up, n1), 1 << 29); /* rounded, it is not above zero */
+  const lanes angle = lanes_or_zero(folded, lanes_select(down, lanes_sub(lanes_set(0), size), size));
+  const lanes held = bend_force_lanes_mul30(angle, lanes_load(bend_fold(v, FOLD_HOLD) + first));
+  const lanes part = lanes_add(bend_force_lanes_mul30(held, lanes_load(bend_fold(v, FOLD_SHARE) + first)),
+                               lanes_load(bend_fold(v, FOLD_OFFSET) + first));
+  bend_force_lanes_scatter(v, one, part);
+  bend_force_lanes_scatter(v, two, lanes_sub(held, part));
+  return 1;
+}
+
+LANES_INLINE lanes bend_force_lanes_moment(lanes h0, lanes h1, lanes h2, const lanes angle[3]) {
+  const lanes h[3] = {h0, h1, h2};
+  return lanes64_round(lanes64_dot(h, angle), 30);
+}
+
+LANES_INLINE int bend_moments_lanes_group(const bend_view *v, uint32_t first, uint32_t count) {
+  uint32_t at[LANES];
+  lanes angle[4], h[6], m[4];
+  if (count < (uint32_t)LANES) return 0;
+  bend_force_lanes_row(first, at);
+  record_lanes_load(v->moment->side, 4, at, angle);
+  LANES_UNROLL
+  for (int n = 0; n < 6; ++n) h[n] = lanes_load(bend_plate(v, (uint32_t)n) + first);
+  m[0] = bend_force_lanes_moment(h[PLATE_H00], h[PLATE_H01], h[PLATE_H02], angle);
+  m[1] = bend_force_lanes_moment(h[PLATE_H01], h[PLATE_H11], h[PLATE_H12], angle);
+  m[2] = bend_force_lanes_moment(h[PLATE_H02], h[PLATE_H12], h[PLATE_H22], angle);
+  m[3] = angle[3];
+  record_lanes_store(v->moment[first].side, m);
+  return 1;
+}
+
+LANES_INLINE int bend_joints_lanes_group(const bend_view *v, uint32_t first, uint32_t count) {
+  if (count < (uint32_t)LANES) return 0;
+  const uint32_t *const one = bend_force_lanes_ids(v, FOLD_FIRST, first);
+  const uint32_t *const two = bend_force_lanes_ids(v, FOLD_SECOND, first);
+  const lanes m2 = lanes_gather(v->moment->side, two);
+  const lanes apart = lanes_sub(lanes_gather(v->moment->side, one), m2);
+  const lanes shared =
+      lanes_add(m2, bend_force_lanes_mul30(apart, lanes_load(bend_fold(v, FOLD_SHARE) + first)));
+  const lanes m = bend_force_lanes_mul30(shared, lanes_load(bend_fold(v, FOLD_HOLD) + first));
+  if (v->is_measure == 0) {
+    int32_t *const offset = bend_fold(v, FOLD_OFFSET) + first;
+    const lanes64 back = lanes64_mul(apart, lanes_load(bend_fold(v, FOLD_RATE) + first));
+    const lanes64 far = lanes64_or_size(lanes64_set(0), back);
+    if (lanes64_any_beyond(far, FOLD_RATE_BITS + BEND_FORCE_LANES_BITS)) return 0;
+    lanes_store(offset, lanes_clamp(lanes_sub(lanes_load(offset), lanes64_round(back, FOLD_RATE_BITS)),
+                                    BEND_OFFSET_MAX));
+  }
+  bend_force_lanes_scatter(v, one, m);
+  bend_force_lanes_scatter(v, two, m);
+  return 1;
+}
+
+/* The impulse along the normal of corner 1 or 2, whose columns begin at g. */
+LANES_INLINE lanes bend_force_lanes_corner(const bend_view *v, uint32_t first, const lanes m[4], uint32_t g,
+                                           lanes64 *far) {
+  const lanes by[3] = {lanes_load(bend_plate(v, g) + first), lanes_load(bend_plate(v, g + 2u) + first),
+                       lanes_load(bend_plate(v, g + 4u) + first)};
+  const lanes64 sum = lanes64_dot(m, by);
+  *far = lanes64_or_size(*far, sum);
+  return lanes_clamp(lanes64_round(sum, v->impulse_shift), BEND_MAX);
+}
+
+LANES_INLINE int bend_corners_lanes_group(const bend_view *v, uint32_t first, uint32_t count) {
+  uint32_t at[LANES], id[3][LANES];
+  lanes m[4], normal[4], none[4], one[4], two[4];
+  lanes64 far = lanes64_set(0);
+  if (count < (uint32_t)LANES || v->impulse_shift > 32) return 0;
+  bend_force_lanes_row(first, at);
+  record_lanes_load(v->moment->side, 4, at, m);
+  const lanes j1 = bend_force_lanes_corner(v, first, m, PLATE_G01, &far);
+  const lanes j2 = bend_force_lanes_corner(v, first, m, PLATE_G02, &far);
+  if (lanes64_any_beyond(far, v->impulse_shift + BEND_FORCE_LANES_BITS)) return 0;
+  record_lanes_load(v->normal->n, 4, at, normal);
+  for (uint32_t n = 0; n < (uint32_t)LANES; ++n)
+    for (uint32_t k = 0; k < 3; ++k) id[k][n] = v->triangle[first + n].v[k];
+  LANES_UNROLL
+  for (int n = 0; n < 3; ++n) {
+    one[n] = lanes_scale_unit(normal[n], j1);
+    two[n] = lanes_scale_unit(normal[n], j2);
+    none[n] = lanes_sub(lanes_set(0), lanes_add(one[n], two[n]));
+  }
+  none[3] = one[3] = two[3] = lanes_set(0);
+  record_lanes_add(&v->sum->x, id[0], count, none);
+  record_lanes_add(&v->sum->x, id[1], count, one);
+  record_lanes_add(&v->sum->x, id[2], count, two);
+  return 1;
+}
+
+LANES_RUN_GROUPS(bend_normals_lanes_run, bend_view, bend_normals_lanes_group)
+LANES_RUN_GROUPS(bend_folds_lanes_run, bend_view, bend_folds_lanes_group)
+LANES_RUN_GROUPS(bend_moments_lanes_run, bend_view, bend_moments_lanes_group)
+LANES_RUN_GROUPS(bend_joints_lanes_run, bend_view, bend_joints_lanes_group)
+LANES_RUN_GROUPS(bend_corners_lanes_run, bend_view, bend_corners_lanes_group)
 #endif
 
 #endif

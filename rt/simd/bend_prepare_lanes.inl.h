@@ -1,148 +1,130 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Scalar twin: rt/membrane/bend_prepare.c, same order of operations. Per-tick constants of bending hinges,
- * LANES at a time. Groups with a triangle without area, or a value that would be clamped, are left to the
- * scalar code. */
+/* Scalar twin: rt/membrane/bend_prepare.c, same order of operations. What bending steps multiply by, LANES
+ * triangles at a time. Groups with a triangle without area or pressed together, or a value that would be
+ * clamped, and the last ones, fewer than LANES, are left to the scalar code. */
 #ifndef FRAY_SIMD_BEND_PREPARE_LANES_INL_H
 #define FRAY_SIMD_BEND_PREPARE_LANES_INL_H
 
-#include "rt/simd/bend_force_lanes.inl.h"
-#include "rt/simd/material_direction_lanes.inl.h"
-#include "rt/simd/membrane_force_lanes.inl.h"
+#include "rt/simd/membrane_view.h"
+#include "rt/simd/record_lanes.inl.h"
 
 #ifdef LANES_HAVE_64
-enum { BEND_PREPARE_LANES_FAR = 54, BEND_PREPARE_LANES_DIRECTION = 36, BEND_PREPARE_LANES_STIFF = 30 };
+enum { BEND_PREPARE_LANES_DOT = 58, BEND_PREPARE_LANES_ENTRY = 55, BEND_PREPARE_LANES_LONG = 31 };
 
-typedef struct {
-  uint32_t id[4][LANES];
-  lanes side[3], to1[3], to2[3];
-  lane_mask unsound;
-  lanes64 far; /* sums that are rounded by 24 */
-  lanes out[BEND_FORCE_LANES_CONSTANTS];
-} bend_prepare_lanes;
-
-LANES_INLINE void bend_prepare_lanes_load(const hinge_view *v, uint32_t first, uint32_t count,
-                                          bend_prepare_lanes *s) {
-  for (uint32_t n = 0; n < (uint32_t)LANES; ++n)
-    for (uint32_t k = 0; k < 4; ++k) s->id[k][n] = v->hinges[first + (n < count ? n : 0)].vertex[k];
-  LANES_UNROLL
-  for (int n = 0; n < 3; ++n) {
-    s->side[n] = lanes_shl(lanes_difference(v->at[n], s->id[2], s->id[3], HINGE_REACH / 16), 4);
-    s->to1[n] = lanes_shl(lanes_difference(v->at[n], s->id[3], s->id[0], HINGE_REACH / 16), 4);
-    s->to2[n] = lanes_shl(lanes_difference(v->at[n], s->id[3], s->id[1], HINGE_REACH / 16), 4);
-  }
-}
-
-LANES_INLINE lanes bend_prepare_lanes_mul_q24(bend_prepare_lanes *s, lanes a, lanes b) {
-  const lanes64 product = lanes64_mul(a, b);
-  s->far = lanes64_or_size(s->far, product);
-  return lanes64_round(product, 24);
-}
-
-LANES_INLINE lanes bend_prepare_lanes_foot(const lanes from_end[3], const lanes side[3], lanes squared) {
-  const lanes along = lanes64_round(lanes64_dot(from_end, side), 28);
-  const lanes ratio = lanes_copy_sign(lanes_ratio(lanes_abs(along), 24, squared), along);
-  return lanes_clamp(ratio, 2 * (1 << 24));
-}
-
-/* The direction of the edge at rest in *direction, Q28 of 0..2; returns 0 where an edge has no length or
- * one that exceeds 32 bits. */
-LANES_INLINE int bend_prepare_lanes_direction(const hinge_view *v, const bend_prepare_lanes *s,
-                                              lanes *direction) {
-  const lanes u = lanes_asr(lanes_sub(lanes_gather(v->u, s->id[3]), lanes_gather(v->u, s->id[2])), 8);
-  const lanes w = lanes_asr(lanes_sub(lanes_gather(v->v, s->id[3]), lanes_gather(v->v, s->id[2])), 8);
-  const lanes64 x = lanes64_sub(lanes64_mul(u, u), lanes64_mul(w, w));
-  const lanes64 y = lanes64_shl(lanes64_mul_u(lanes_abs(u), lanes_abs(w)), 1);
-  if (lanes64_any_beyond(lanes64_or_size(lanes64_or_size(lanes64_set(0), x), y),
-                         BEND_PREPARE_LANES_DIRECTION))
-    return 0;
-  const lanes cosine = lanes64_round(x, 6);
-  const lanes half = lanes_copy_sign(lanes_asr(lanes_abs(cosine), 1), cosine);
-  const lanes up = lanes_asr(lanes64_round(y, 6), 1);
-  if (mask_bits(lanes_greater(lanes_set(1), lanes_max(lanes_abs(half), up))) != 0) return 0;
-  *direction = lanes_asr(lanes_material_direction(half, up), 1);
-  return 1;
-}
-
-/* The two rows of the material table on both sides of a direction: 2 MATERIAL_CURVES words. */
-LANES_INLINE void bend_prepare_lanes_rows(const hinge_view *v, uint32_t first, uint32_t count, lanes row,
-                                          lanes bend[2 * MATERIAL_CURVES]) {
-  const int32_t *from = v->materials->bend[0];
-  int32_t rows[LANES];
-  uint32_t of[LANES];
-  lanes word[4];
-  lanes_store(rows, row);
-  for (uint32_t n = 0; n < (uint32_t)LANES; ++n)
-    of[n] = MATERIAL_WORDS * bend_hinge_material(&v->hinges[first + (n < count ? n : 0)]) +
-            MATERIAL_CURVES * (uint32_t)rows[n];
-  LANES_UNROLL
-  for (int n = 0; n < 2 * MATERIAL_CURVES; n += 4) {
-    const int k = n + 4 > 2 * MATERIAL_CURVES ? 2 * MATERIAL_CURVES - 4 : n;
-    record_lanes_load(from + k, 1, of, word);
-    LANES_UNROLL
-    for (int m = 0; m < 4; ++m) bend[k + m] = word[m];
-  }
-}
-
-LANES_INLINE int bend_prepare_lanes_stiffness(const hinge_view *v, uint32_t first, uint32_t count,
-                                              lanes shape, bend_prepare_lanes *s) {
-  const unsigned shift = (unsigned)v->constants->bend_shift;
-  lanes direction, bend[2 * MATERIAL_CURVES];
-  lanes64 far = lanes64_set(0);
-  if (!bend_prepare_lanes_direction(v, s, &direction)) return 0;
-  const lane_mask beyond = lanes_greater(direction, lanes_set(STRAIN_ONE - 1));
-  const lanes row = lanes_or_zero(beyond, lanes_set(1));
-  const lanes turned = lanes_sub(direction, lanes_or_zero(beyond, lanes_set(STRAIN_ONE)));
-  bend_prepare_lanes_rows(v, first, count, row, bend);
-  LANES_UNROLL
-  for (int n = 0; n < MATERIAL_CURVES; ++n) {
-    const lanes more =
-        lanes64_round(lanes64_mul(lanes_sub(bend[MATERIAL_CURVES + n], bend[n]), turned), STRAIN_BITS);
-    const lanes64 stiff = lanes64_mul(bend_prepare_lanes_mul_q24(s, lanes_add(bend[n], more), shape),
-                                      lanes_set(v->constants->bend_gain));
-    far = lanes64_or(far, stiff);
-    s->out[BEND_FORCE_LANES_STIFF + n] = lanes64_round(stiff, shift);
-  }
-  return shift > 32 || !lanes64_any_beyond(far, BEND_PREPARE_LANES_STIFF + shift);
-}
-
-LANES_INLINE int bend_prepare_lanes_group(const hinge_view *v, uint32_t first, uint32_t count) {
-  bend_prepare_lanes s;
-  lanes area1[3], area2[3], unused[3];
-  int32_t out[BEND_FORCE_LANES_CONSTANTS][LANES];
-  bend_prepare_lanes_load(v, first, count, &s);
-  s.far = lanes64_set(0);
-  s.unsound = mask_none();
-  lanes64_cross(s.side, s.to1, 28, area1);
-  lanes64_cross(s.to2, s.side, 28, area2);
-  const lanes length1 = lanes_direction(area1, HINGE_MIN, unused, &s.unsound);
-  const lanes length2 = lanes_direction(area2, HINGE_MIN, unused, &s.unsound);
-  const lanes edge = lanes_direction(s.side, HINGE_MIN, unused, &s.unsound);
-  if (mask_bits(s.unsound) != 0) return 0;
-  const lanes squared = lanes64_round(lanes64_dot(s.side, s.side), 28);
-  const lanes areas = lanes_add(length1, length2);
-  if (!bend_prepare_lanes_stiffness(v, first, count, lanes_ratio(squared, 24, areas), &s)) return 0;
-  s.out[BEND_FORCE_LANES_CURVATURE] =
-      bend_prepare_lanes_mul_q24(&s, lanes_ratio(edge, 24, areas), lanes_set(v->constants->curve_gain));
-  if (lanes64_any_beyond(s.far, BEND_PREPARE_LANES_FAR)) return 0;
-  s.out[BEND_FORCE_LANES_HEIGHT] = lanes_ratio(edge, 16, length1);
-  s.out[BEND_FORCE_LANES_HEIGHT + 1] = lanes_ratio(edge, 16, length2);
-  s.out[BEND_FORCE_LANES_FOOT] = bend_prepare_lanes_foot(s.to1, s.side, squared);
-  s.out[BEND_FORCE_LANES_FOOT + 1] = bend_prepare_lanes_foot(s.to2, s.side, squared);
-  LANES_UNROLL
-  for (int k = 0; k < BEND_FORCE_LANES_CONSTANTS; ++k) lanes_store(out[k], s.out[k]);
-  for (uint32_t n = 0; n < count; ++n) {
-    bend_hinge *c = &v->hinges[first + n];
-    for (uint32_t k = 0; k < MATERIAL_CURVES; ++k) c->stiffness[k] = out[BEND_FORCE_LANES_STIFF + k][n];
-    c->curvature_scale = out[BEND_FORCE_LANES_CURVATURE][n];
-    for (uint32_t k = 0; k < 2; ++k) {
-      c->height[k] = out[BEND_FORCE_LANES_HEIGHT + k][n];
-      c->foot[k] = out[BEND_FORCE_LANES_FOOT + k][n];
+/* C at the habit of the curvature. */
+LANES_INLINE void bend_prepare_lanes_stiffness(const plate_view *v, uint32_t first, lanes c[3]) {
+  int32_t words[6][LANES], part[LANES];
+  for (uint32_t n = 0; n < (uint32_t)LANES; ++n) {
+    const int32_t habit = v->states[first + n].habit[SMOOTHED_STRAIN_POLES - 1];
+    const material_table *f = &v->materials[v->material[first + n]];
+    const uint32_t step = (uint32_t)fx_min(habit >> BEND_HABIT_BITS, MATERIAL_CURVES - 1);
+    const uint32_t next = step + 1u < MATERIAL_CURVES ? step + 1u : step;
+    part[n] = habit & ((1 << BEND_HABIT_BITS) - 1);
+    for (uint32_t k = 0; k < 3; ++k) {
+      words[2 * k][n] = f->bend[k][step];
+      words[2 * k + 1][n] = f->bend[k][next];
     }
   }
+  LANES_UNROLL
+  for (int k = 0; k < 3; ++k) {
+    const lanes from = lanes_load(words[2 * k]);
+    const lanes rise = lanes_sub(lanes_load(words[2 * k + 1]), from);
+    c[k] = lanes_add(from, lanes64_round(lanes64_mul(rise, lanes_load(part)), BEND_HABIT_BITS));
+  }
+}
+
+LANES_INLINE int bend_stiffness_lanes_group(const plate_view *v, uint32_t first, uint32_t count) {
+  static const uint8_t rows[6] = {0, 1, 2, 0, 0, 1};
+  static const uint8_t columns[6] = {0, 1, 2, 1, 2, 2};
+  enum { WORDS = sizeof(bend_shape) / 4 };
+  uint32_t at[LANES];
+  lanes word[12], scaled[9], c[3], h[6];
+  lanes64 far = lanes64_set(0);
+  if (count < (uint32_t)LANES) return 0;
+  const int32_t *const from = v->shapes->side[0];
+  for (uint32_t n = 0; n < (uint32_t)LANES; ++n) at[n] = first + n;
+  record_lanes_load(from, WORDS, at, word);
+  record_lanes_load(from + 4, WORDS, at, word + 4);
+  record_lanes_load(from + 6, WORDS, at, word + 8); /* 6 to 9 */
+  word[8] = word[10];
+  bend_prepare_lanes_stiffness(v, first, c);
+  LANES_UNROLL
+  for (int n = 0; n < 9; ++n) scaled[n] = lanes64_round(lanes64_mul(c[n % 3], word[n]), 27);
+  LANES_UNROLL
+  for (int n = 0; n < 6; ++n) {
+    const lanes64 sum = lanes64_dot(scaled + 3 * rows[n], word + 3 * columns[n]);
+    far = lanes64_or_size(far, sum);
+    h[n] = lanes_clamp(lanes64_round(sum, 25), BEND_ENTRY_MAX);
+  }
+  if (lanes64_any_beyond(far, BEND_PREPARE_LANES_ENTRY)) return 0;
+  LANES_UNROLL
+  for (int n = 0; n < 6; ++n) lanes_store(v->plates + (uint32_t)n * v->stride + first, h[n]);
   return 1;
 }
 
-LANES_RUN_GROUPS(bend_prepare_lanes_run, hinge_view, bend_prepare_lanes_group)
+/* fx_root_over(), of lanes that come to less than 2^31: others join `far`. */
+LANES_INLINE lanes bend_prepare_lanes_over(lanes_root root, lanes size, unsigned bits, lanes64 *far) {
+  const lanes64 product = lanes64_shr_by(lanes64_mul_u(lanes_abs(size), root.inverse),
+                                         lanes_add(root.h, lanes_set(30 - (int32_t)bits)));
+  const lanes64 over = lanes64_shr(lanes64_add(product, lanes64_set(1)), 1);
+  *far = lanes64_or(*far, over);
+  return lanes_copy_sign(lanes64_low(over), size);
+}
+
+LANES_INLINE lanes bend_prepare_lanes_dot(const lanes a[3], const lanes b[3], lanes64 *far) {
+  const lanes64 dot = lanes64_dot(a, b);
+  *far = lanes64_or_size(*far, dot);
+  return lanes64_round(dot, 28);
+}
+
+LANES_INLINE int bend_geometry_lanes_group(const plate_view *v, uint32_t first, uint32_t count) {
+  uint32_t id[3][LANES];
+  lanes e0[3], e1[3], e2[3], d2[3], normal[3], m, m1, m2, unused;
+  lanes64 dots = lanes64_set(0);
+  lanes64 far = lanes64_set(0);
+  if (count < (uint32_t)LANES) return 0;
+  for (uint32_t n = 0; n < (uint32_t)LANES; ++n)
+    for (uint32_t k = 0; k < 3; ++k) id[k][n] = v->triangle[first + n].v[k];
+  LANES_UNROLL
+  for (int n = 0; n < 3; ++n) {
+    e2[n] = lanes_shl(lanes_difference(v->at[n], id[0], id[1], BEND_REACH / 16), 4);
+    d2[n] = lanes_shl(lanes_difference(v->at[n], id[0], id[2], BEND_REACH / 16), 4);
+    e0[n] = lanes_sub(d2[n], e2[n]);
+    e1[n] = lanes_sub(lanes_set(0), d2[n]);
+  }
+  lanes64_cross(e2, d2, 28, normal);
+  const lanes64 squared = lanes64_dot(normal, normal);
+  if (mask_bits(lanes64_less(squared, BEND_FLAT)) != 0) return 0;
+  const lanes_root over = lanes_rsqrt(squared, &m);
+  const lanes area = lanes_load((const int32_t *)(const void *)(v->area + first));
+  const lanes pressed = lanes_asr(lanes_add(area, lanes_set(3)), 2); /* Q28, of half of it */
+  if (mask_bits(lanes_greater(pressed, lanes_root_length(over, m))) != 0) return 0;
+  const lanes_root r0 = lanes_rsqrt(lanes64_dot(e0, e0), &unused);
+  const lanes_root r1 = lanes_rsqrt(lanes64_dot(e1, e1), &m1);
+  const lanes_root r2 = lanes_rsqrt(lanes64_dot(e2, e2), &m2);
+  const lanes e01 = bend_prepare_lanes_dot(e0, e1, &dots);
+  const lanes e02 = bend_prepare_lanes_dot(e0, e2, &dots);
+  const lanes e12 = bend_prepare_lanes_dot(e1, e2, &dots);
+  const lanes along[6] = {bend_prepare_lanes_over(r0, e01, 28, &far),
+                          bend_prepare_lanes_over(r0, e02, 28, &far),
+                          lanes_root_length(r1, m1),
+                          bend_prepare_lanes_over(r1, e12, 28, &far),
+                          bend_prepare_lanes_over(r2, e12, 28, &far),
+                          lanes_root_length(r2, m2)};
+  lanes g[6];
+  LANES_UNROLL
+  for (int n = 0; n < 6; ++n)
+    g[n] = lanes_sub(lanes_set(0), bend_prepare_lanes_over(over, along[n], 16, &far));
+  if (lanes64_any_beyond(dots, BEND_PREPARE_LANES_DOT) || lanes64_any_beyond(far, BEND_PREPARE_LANES_LONG))
+    return 0;
+  LANES_UNROLL
+  for (int n = 0; n < 6; ++n) lanes_store(v->plates + (PLATE_G01 + (uint32_t)n) * v->stride + first, g[n]);
+  lanes_store(v->plates + PLATE_FADE * v->stride + first, lanes_set(BEND_ONE));
+  return 1;
+}
+
+LANES_RUN_GROUPS(bend_stiffness_lanes_run, plate_view, bend_stiffness_lanes_group)
+LANES_RUN_GROUPS(bend_geometry_lanes_run, plate_view, bend_geometry_lanes_group)
 #endif
 
 #endif

@@ -41,8 +41,13 @@
 #endif
 
 #ifndef LANES_HAVE_64
-#define bend_force_lanes_run simd_none
-#define bend_prepare_lanes_run simd_none
+#define bend_normals_lanes_run simd_none
+#define bend_folds_lanes_run simd_none
+#define bend_moments_lanes_run simd_none
+#define bend_joints_lanes_run simd_none
+#define bend_corners_lanes_run simd_none
+#define bend_stiffness_lanes_run simd_none
+#define bend_geometry_lanes_run simd_none
 #define membrane_force_lanes_run simd_none
 #define membrane_step_lanes_run simd_none
 #define membrane_stress_lanes_run simd_none

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Scalar twin: rt/membrane/membrane_stress.c, the part of an elastic step, same order of operations. Forces
- * of triangles, LANES at a time; groups in which a value would be clamped are left to the scalar code. */
+/* Scalar twin: rt/membrane/membrane_force.c, same order of operations. Forces of triangles, LANES at a time;
+ * groups in which a value would be clamped, or to which membrane/strain_law.h applies, are left to the scalar
+ * code. */
 #ifndef FRAY_SIMD_MEMBRANE_FORCE_LANES_INL_H
 #define FRAY_SIMD_MEMBRANE_FORCE_LANES_INL_H
 
@@ -22,6 +23,8 @@ typedef struct {
   lanes u[3], v[3]; /* axes, Q28 */
   lanes r[4];       /* u1, u2, v1, v2 */
   lanes uu, vv, uv; /* impulse of stress */
+  lanes threshold;
+  lane_mask beyond;
   lanes64 far_axis, far_stress, far_corner;
 } membrane_force_lanes;
 
@@ -56,6 +59,7 @@ LANES_INLINE void membrane_force_lanes_load(const force_view *v, uint32_t first,
   for (int k = 0; k < 3; ++k) record_lanes_load(v->place->at, 4, s->id[k], at[k]);
   record_lanes_load(&v->weights->u1, 4, of, s->r);
   record_lanes_load(v->gains->c, 4, of, c);
+  s->threshold = lanes_gather(v->strain_threshold, of);
   membrane_force_lanes_difference(at[0], at[1], d1);
   membrane_force_lanes_difference(at[0], at[2], d2);
   LANES_UNROLL
@@ -75,6 +79,8 @@ LANES_INLINE void membrane_force_lanes_stress(membrane_force_lanes *s, const lan
   const lanes g_uu = lanes64_round(uu, STRAIN_BITS + 1);
   const lanes g_vv = lanes64_round(vv, STRAIN_BITS + 1);
   const lanes g_uv = lanes64_round(uv, STRAIN_BITS);
+  const lanes largest = lanes_add(lanes_max(g_uu, g_vv), lanes_asr(lanes_abs(g_uv), 1));
+  s->beyond = lanes_greater(largest, s->threshold);
   const lanes64 shear = lanes64_mul(c[3], g_uv);
   s->uu = lanes_dot2(&s->far_stress, c[0], g_uu, c[1], g_vv, STRAIN_BITS);
   s->vv = lanes_dot2(&s->far_stress, c[1], g_uu, c[2], g_vv, STRAIN_BITS);
@@ -101,7 +107,7 @@ LANES_INLINE int membrane_force_lanes_group(const force_view *v, uint32_t first,
   membrane_force_lanes_load(v, first, count, &s, c);
   membrane_force_lanes_stress(&s, c);
   membrane_force_lanes_impulses(&s, one, two);
-  if (lanes64_any_beyond(s.far_axis, MEMBRANE_FORCE_LANES_AXIS) ||
+  if (mask_bits(s.beyond) != 0 || lanes64_any_beyond(s.far_axis, MEMBRANE_FORCE_LANES_AXIS) ||
       lanes64_any_beyond(s.far_stress, MEMBRANE_FORCE_LANES_STRESS) ||
       lanes64_any_beyond(s.far_corner, MEMBRANE_FORCE_LANES_CORNER))
     return 0;

@@ -5,7 +5,6 @@
 #ifndef FRAY_SIMD_MEMBRANE_STRESS_LANES_INL_H
 #define FRAY_SIMD_MEMBRANE_STRESS_LANES_INL_H
 
-#include "rt/simd/bend_force_lanes.inl.h"
 #include "rt/simd/material_direction_lanes.inl.h"
 #include "rt/simd/membrane_force_lanes.inl.h"
 #include "rt/state/deformation.h"
@@ -22,16 +21,23 @@ typedef struct {
                 nearly equal */
 } membrane_stress_lanes;
 
-/* Whether no triangle is lower than `steep` allows: squared weights are 1 / height^2. */
-LANES_INLINE int membrane_stress_lanes_is_high(const lanes r[4], int32_t steep) {
+/* Whether all triangles keep all of their stiffness: trimesh_gram_is_within(). */
+LANES_INLINE int membrane_stress_lanes_is_whole(const lanes r[4], int32_t norm2_max) {
+  const lanes max = lanes_set(norm2_max);
   const lanes u = lanes_add(r[0], r[1]);
   const lanes v = lanes_add(r[2], r[3]);
-  const lanes one = lanes64_high(lanes64_add(lanes64_mul(r[0], r[0]), lanes64_mul(r[2], r[2])));
-  const lanes two = lanes64_high(lanes64_add(lanes64_mul(r[1], r[1]), lanes64_mul(r[3], r[3])));
-  const lanes both = lanes64_high(lanes64_add(lanes64_mul(u, u), lanes64_mul(v, v)));
-  const lane_mask huge = lanes_negative(lanes_min(one, lanes_min(two, both)));
-  const lane_mask low = lanes_greater(lanes_max(one, lanes_max(two, both)), lanes_set(steep));
-  return mask_bits(mask_or(huge, low)) == 0;
+  const lanes uu = lanes64_high(
+      lanes64_add(lanes64_add(lanes64_mul(r[0], r[0]), lanes64_mul(r[1], r[1])), lanes64_mul(u, u)));
+  const lanes vv = lanes64_high(
+      lanes64_add(lanes64_add(lanes64_mul(r[2], r[2]), lanes64_mul(r[3], r[3])), lanes64_mul(v, v)));
+  const lanes uv = lanes64_high(
+      lanes64_add(lanes64_add(lanes64_mul(r[0], r[2]), lanes64_mul(r[1], r[3])), lanes64_mul(u, v)));
+  const lanes room_u = lanes_sub(max, uu);
+  const lanes room_v = lanes_sub(max, vv);
+  /* beyond 2^31 a square is negative, and so is the room where it is above the maximum */
+  const lane_mask beyond = lanes_negative(lanes_min(lanes_min(uu, vv), lanes_min(room_u, room_v)));
+  const lanes64 room = lanes64_sub(lanes64_mul(room_u, room_v), lanes64_mul(uv, uv));
+  return mask_bits(mask_or(beyond, lanes64_negative(room))) == 0;
 }
 
 LANES_INLINE int membrane_stress_lanes_strain(const stress_view *v, uint32_t first,
@@ -44,7 +50,7 @@ LANES_INLINE int membrane_stress_lanes_strain(const stress_view *v, uint32_t fir
     for (uint32_t k = 0; k < 3; ++k) id[k][n] = v->triangle[s->of[n]].v[k];
   }
   record_lanes_load(&v->weights->u1, 4, s->of, r);
-  if (!membrane_stress_lanes_is_high(r, v->weight2_max)) return 0;
+  if (!membrane_stress_lanes_is_whole(r, v->norm2_max)) return 0;
   LANES_UNROLL
   for (int n = 0; n < 3; ++n) {
     const lanes d1 = lanes_shl(lanes_difference(v->at[n], id[0], id[1], DEFORMATION_REACH), 4);

@@ -54,13 +54,18 @@
   X(set, ground_contact, (ground_contact_view * v, uint32_t first, uint32_t end), (v, first, end)) \
   /* crossings first..end-1 of one colour: no two share a particle */ \
   X(set, yarn_slip, (const yarn_slip_view *v, uint32_t first, uint32_t end), (v, first, end)) \
-  /* triangles or hinges first..end-1, once a tick */ \
+  /* triangles first..end-1, once a tick */ \
   X(set, membrane_stress, (const stress_view *v, uint32_t first, uint32_t end), (v, first, end)) \
   X(set, wind, (const wind_view *v, uint32_t first, uint32_t end), (v, first, end)) \
-  X(set, bend_prepare, (const hinge_view *v, uint32_t first, uint32_t end), (v, first, end)) \
-  /* triangles, hinges, vertices first..end-1 in an elastic step */ \
+  X(set, bend_stiffness, (const plate_view *v, uint32_t first, uint32_t end), (v, first, end)) \
+  X(set, bend_geometry, (const plate_view *v, uint32_t first, uint32_t end), (v, first, end)) \
+  /* triangles, folds, vertices first..end-1 in an elastic step */ \
   X(set, membrane_force, (const force_view *v, uint32_t first, uint32_t end), (v, first, end)) \
-  X(set, bend_force, (const bend_view *v, uint32_t first, uint32_t end), (v, first, end)) \
+  X(set, bend_normals, (const bend_view *v, uint32_t first, uint32_t end), (v, first, end)) \
+  X(set, bend_folds, (const bend_view *v, uint32_t first, uint32_t end), (v, first, end)) \
+  X(set, bend_moments, (const bend_view *v, uint32_t first, uint32_t end), (v, first, end)) \
+  X(set, bend_joints, (const bend_view *v, uint32_t first, uint32_t end), (v, first, end)) \
+  X(set, bend_corners, (const bend_view *v, uint32_t first, uint32_t end), (v, first, end)) \
   X(set, membrane_step, (const step_view *v, uint32_t first, uint32_t end), (v, first, end)) \
   /* three hashes over `count` elements each */ \
   X(set, hash_words, (hash h[3], const int32_t *const words[3], uint32_t count), (h, words, count)) \

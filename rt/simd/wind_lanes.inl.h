@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Scalar twin: rt/membrane/wind.c, same order of operations. Wind on triangles, LANES at a time. Groups
- * with faster air or larger impulses, whose sums might be clamped, are left to the scalar code. */
+ * with faster air, larger impulses, whose sums might be clamped, or triangles so light that air would take
+ * more than half of their speed, are left to the scalar code. */
 #ifndef FRAY_SIMD_WIND_LANES_INL_H
 #define FRAY_SIMD_WIND_LANES_INL_H
 
-#include "rt/simd/bend_force_lanes.inl.h"
 #include "rt/simd/membrane_force_lanes.inl.h"
 #include "rt/state/deformation.h"
 
@@ -18,7 +18,9 @@ enum {
 
 typedef struct {
   lanes normal[3], wind[3];
-  lanes area;
+  lanes area;      /* twice it, as the triangle is now */
+  lanes rest_area;
+  lanes unit;
   lane_mask flat;
   int is_far;
 } wind_lanes;
@@ -43,9 +45,12 @@ LANES_INLINE lanes wind_lanes_impulse(wind_lanes *s, lanes speed, int32_t gain, 
   const lanes64 pressed = lanes64_mul(lanes64_round(lanes64_mul(speed, speed), 28), s->area);
   const lanes64 impulse = lanes64_mul(lanes64_round(pressed, 28), lanes_set(gain));
   const lanes64 whole = lanes64_shr(impulse, shift);
+  const lanes rounded = lanes64_round(impulse, shift);
+  const lanes64 most = lanes64_shr(lanes64_mul(s->rest_area, speed), 1);
+  s->is_far |= mask_bits(lanes64_negative(lanes64_sub(most, lanes64_mul(rounded, s->unit)))) != 0;
   s->is_far |= lanes64_any_beyond(pressed, WIND_LANES_FAR) || lanes64_any_beyond(whole, WIND_LANES_BITS) ||
                lanes64_any_beyond(whole, 32);
-  return lanes64_round(impulse, shift);
+  return rounded;
 }
 
 LANES_INLINE void wind_lanes_fetch(const wind_view *v, wind_lanes *s, uint32_t id[3][LANES]) {
@@ -65,12 +70,16 @@ LANES_INLINE int wind_lanes_group(const wind_view *v, uint32_t first, uint32_t c
   const membrane_params *c = v->constants;
   const unsigned shift = (unsigned)c->wind_shift;
   uint32_t id[3][LANES];
+  int32_t area[LANES];
   lanes j[4], along[3], way[3];
   lane_mask still = mask_none();
   wind_lanes s;
   s.is_far = 0;
   for (uint32_t n = 0; n < (uint32_t)LANES; ++n)
     for (uint32_t k = 0; k < 3; ++k) id[k][n] = v->triangle[first + (n < count ? n : 0)].v[k];
+  for (uint32_t n = 0; n < (uint32_t)LANES; ++n) area[n] = (int32_t)v->area[first + (n < count ? n : 0)];
+  s.rest_area = lanes_load(area);
+  s.unit = lanes_set(c->mass_unit);
   wind_lanes_fetch(v, &s, id);
   const lanes across = lanes64_round(lanes64_dot(s.wind, s.normal), 30);
   const lanes push =

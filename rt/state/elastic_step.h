@@ -4,6 +4,8 @@
 #define FRAY_STATE_ELASTIC_STEP_H
 
 #include "rt/state/material.h"
+#include "rt/state/params.h"
+#include "rt/state/spring.h"
 
 /* Of a vertex. */
 typedef struct {
@@ -15,6 +17,22 @@ typedef struct {
 typedef struct {
   int32_t x, y, z, padding;
 } elastic_impulse;
+
+/* A body in the elastic steps of a substep. */
+typedef struct {
+  vec3 start;                    /* where the substep began, Q24 lu */
+  int32_t at[3], low[3];         /* where it is: Q28 lu, wraps, and 31 bits below it */
+  int32_t moved[3];              /* in this step, Q28 */
+  int32_t plane_gap[MAX_BODIES]; /* of a free body: height above each plane, Q28 */
+} elastic_body;
+
+enum { LIMITED_EDGES_PER_TRIANGLE = 3 }; /* room in the pool */
+
+/* An edge near the limit of its length, in a substep. */
+typedef struct {
+  index_t i, j;
+  uint32_t length_max; /* Q28 lu */
+} limited_edge;
 
 /* c of a triangle in this tick (until membrane_gains_update()), then c times its area: from a strain in Q28
  * to an impulse, see membrane/membrane_gains.c. */

@@ -19,7 +19,7 @@
  *   strain     Q28        -1/2 to 4, shear +-4, saturated
  *   c          Q12 N/m    below 2^18 N/m, see MATERIAL_STIFF_MAX
  *   stress     Q12 N/m    saturated to 2^19 N/m
- *   bend       2^-40 N m */
+ *   bend       state/bend_plate.h, below MATERIAL_BEND_MAX */
 #ifndef FRAY_STATE_MATERIAL_H
 #define FRAY_STATE_MATERIAL_H
 
@@ -28,9 +28,10 @@
 enum {
   MATERIAL_ROWS = 6,     /* at rest, then five directions */
   MATERIAL_ENTRIES = 4,  /* c11, c12, c22, c33 */
-  MATERIAL_BENDS = 3,    /* across the weft's direction, 45 degrees, the warp's */
+  MATERIAL_BENDS = 3,    /* curvature along the weft, along the warp, twist */
   MATERIAL_CURVES = 5,   /* at curvatures 0, 5, 10, 15, 20 / m */
-  MATERIAL_STIFF_MAX = 1 << 30
+  MATERIAL_STIFF_MAX = 1 << 30,
+  MATERIAL_BEND_MAX = 1 << 26
 };
 enum { STRAIN_BITS = 28, STRAIN_ONE = 1 << STRAIN_BITS, STRAIN_MAX = 1 << 30 };
 

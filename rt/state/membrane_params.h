@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Parameters of the membrane's motion, as the scene compiler computes them in the units of this world.
- * Derivations are where they are used: membrane/membrane_gains.c, bend_prepare.c, wind.c. */
+ * Derivations are where they are used: membrane/membrane_gains.c, bend_folds.c, bend_prepare.c, wind.c. */
 #ifndef FRAY_STATE_MEMBRANE_PARAMS_H
 #define FRAY_STATE_MEMBRANE_PARAMS_H
 
@@ -25,11 +25,12 @@ enum { MAX_ELASTIC_STEPS = 1024, MEMBRANE_LOADS = 4, MAX_WIND = 1 << 30, MAX_LOA
   X(force_gain,         1 << 30,    WORD_MAX)    /* c to impulse, see membrane/membrane_gains.c */ \
   X(force_shift,        8,          62) \
   X(smoothing_shift,    0,          16)          /* c follows the strain in 2^this ticks, by two poles */ \
-  X(weight2_max,        1 << 10,    WORD_MAX)    /* Q12 of 1 / lu^2: the square of the largest weight that \
+  X(norm2_max,          1 << 10,    WORD_MAX)    /* Q12 of 1 / lu^2: the largest trimesh_norm2() that \
                                                     elastic steps of this length can bear */ \
   X(bend_every,         0,          MAX_ELASTIC_STEPS) /* elastic steps from bending to bending; 0: none */ \
-  X(bend_gain,          0,          WORD_MAX)    /* stiffness to impulse, see membrane/bend_prepare.c */ \
-  X(bend_shift,         1,          62) \
+  X(bend_bits,          13,         74)          /* format of moments: state/bend_plate.h */ \
+  X(bend_row_max,       1,          WORD_MAX)    /* R0 of membrane/bend_folds.c */ \
+  X(bend_row_shift,     0,          40) \
   X(curve_gain,         0,          WORD_MAX)    /* 1 / lu to the curvatures of the table */ \
   X(wind_x,             -MAX_WIND, MAX_WIND) /* Q28 lu per substep */ \
   X(wind_y,             -MAX_WIND, MAX_WIND) \
@@ -47,8 +48,8 @@ typedef struct {
 } membrane_load;
 
 typedef struct {
-  int32_t steps, mass_unit, force_gain, force_shift, smoothing_shift, weight2_max;
-  int32_t bend_every, bend_gain, bend_shift, curve_gain;
+  int32_t steps, mass_unit, force_gain, force_shift, smoothing_shift, norm2_max;
+  int32_t bend_every, bend_bits, bend_row_max, bend_row_shift, curve_gain;
   int32_t wind[3], wind_normal, wind_drag, wind_shift;
   int32_t edge_limit;
   membrane_load load[MEMBRANE_LOADS];

@@ -22,9 +22,9 @@ enum {
   RIGID_MESH_ROUNDS = 4,    /* pushes */
   COLLIDER_CHECKS = 2,     /* tests of what other bodies did, where there are several */
   /* and of a triangle of the membrane; see contact/contact_triangles.c */
+  RIGID_MESH_TRIANGLES = 2,     /* of them, for each contact: a sheet has two a vertex */
   RIGID_MESH_CLOSE = 256,       /* triangles of a mesh near it */
   RIGID_MESH_CLOSE_CCD = 1024,
-  RIGID_MESH_REPULSIONS = 2,
   RIGID_MESH_CHECKS = 4
 };
 
@@ -93,8 +93,10 @@ rigid_mesh_parts rigid_mesh_at(const fray_world *w, uint32_t n);
 int rigid_mesh_meets_triangles(const fray_world *w);
 /* Bodies that are tested by CCD, at most MAX_BODIES: meshes, and spheres where triangles meet them. */
 uint32_t collider_count(const fray_world *w);
+/* Of a membrane nothing is pushed first: the tests are what keeps it apart. */
 static inline uint32_t collider_checks(const fray_world *w) {
-  return collider_count(w) > 1u ? (uint32_t)COLLIDER_CHECKS : 0u;
+  const uint32_t again = collider_count(w) > 1u ? (uint32_t)COLLIDER_CHECKS : 0u;
+  return world_has_membrane(w) ? 1u + COLLIDER_CHECKS : again;
 }
 /* The mesh of a body; rigid_mesh_count() where it has none. */
 uint32_t rigid_mesh_of_body(const fray_world *w, uint32_t b);

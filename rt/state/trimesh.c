@@ -79,7 +79,9 @@ void trimesh_derive(fray_world *w) {
   for (uint32_t t = 0; t < (uint32_t)s->state->triangles; ++t) {
     for (uint32_t k = 0; k < 3; ++k) s->mass[s->triangle[t].v[k]] += s->area[t];
     s->weights[t] = trimesh_weights_of(s, t);
+    w->membrane.bend_shapes[t] = bend_shape_of(s, t);
   }
+  w->membrane.bend_current = 0;
 }
 
 uint64_t trimesh_triangle_entry(const trimesh *s, uint32_t t) {

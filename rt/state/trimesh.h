@@ -20,6 +20,7 @@
 
 #include "rt/base/fx.h"
 #include "rt/fray.h"
+#include "rt/state/bend_plate.h"
 #include "rt/state/params.h"
 #include "rt/state/spring.h"
 #include "rt/state/tear_strength.h"
@@ -41,6 +42,35 @@ enum { TRIMESH_WEIGHT_BITS = 22 };
 typedef struct {
   int32_t u1, u2, v1, v2;
 } trimesh_weights;
+
+/* The sum of r r' over the weights r = (u, v) of the three corners, Q12 of 1/lu^2, rounded down. */
+typedef struct {
+  uint32_t uu, vv;
+  int32_t uv;
+} trimesh_gram;
+static inline trimesh_gram trimesh_gram_of(const trimesh_weights *r) {
+  const int32_t u0 = fx_add(r->u1, r->u2);
+  const int32_t v0 = fx_add(r->v1, r->v2);
+  const uint64_t uu = fx_square(r->u1) + fx_square(r->u2) + fx_square(u0);
+  const uint64_t vv = fx_square(r->v1) + fx_square(r->v2) + fx_square(v0);
+  const int64_t uv =
+      fx_add64(fx_add64(fx_mul_wide(r->u1, r->v1), fx_mul_wide(r->u2, r->v2)), fx_mul_wide(u0, v0));
+  const trimesh_gram g = {(uint32_t)(uu >> 32), (uint32_t)(vv >> 32), (int32_t)fx_asr64(uv, 32)};
+  return g;
+}
+/* Whether its greater eigenvalue is at most this. */
+static inline int trimesh_gram_is_within(const trimesh_gram *g, uint32_t max) {
+  return g->uu <= max && g->vv <= max && fx_mul_wide_u(max - g->uu, max - g->vv) >= fx_square(g->uv);
+}
+/* That eigenvalue, Q12: the square of the largest deformation gradient of corners that move by 1, all squares
+ * added. A triangle alone, with the stiffness s of its stiffest mode, vibrates at no more than
+ * root(3 s norm2 / density). */
+static inline uint32_t trimesh_norm2(const trimesh_gram *g) {
+  const uint32_t apart = g->uu > g->vv ? g->uu - g->vv : g->vv - g->uu;
+  const uint64_t squared = fx_mul_wide_u(apart, apart) + 4u * fx_square(g->uv);
+  const uint32_t root = squared == 0 ? 0 : fx_root_length(fx_rsqrt(squared, FX_ROOT_FINE));
+  return (uint32_t)(((uint64_t)g->uu + g->vv + root) >> 1);
+}
 
 /* What made a boundary of an edge; two bits an edge in `edge_marks`. */
 typedef enum { TRIMESH_WHOLE = 0, TRIMESH_TORN = 1, TRIMESH_CUT = 2 } trimesh_mark;
@@ -163,8 +193,9 @@ static inline int trimesh_has_quality(const trimesh *s, trimesh_point a, trimesh
 }
 /* Of a triangle with at least the minimal area and height. */
 trimesh_weights trimesh_weights_of(const trimesh *s, uint32_t t);
+bend_shape bend_shape_of(const trimesh *s, uint32_t t);
 
-/* Computes mass and weights from the state. Cost: linear in particles and triangles. */
+/* Computes mass, weights and shapes for bending from the state. Cost: linear in particles and triangles. */
 void trimesh_derive(fray_world *w);
 
 /* The topology's hash has an entry for every triangle and every vertex in use: XOR of them all. The

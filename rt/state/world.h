@@ -9,8 +9,9 @@
 #include "rt/state/blade.h"
 #include "rt/state/rigid_body.h"
 #include "rt/state/membrane_params.h"
+#include "rt/state/contact_constraint.h"
 #include "rt/state/contact_list.h"
-#include "rt/state/bend_hinge.h"
+#include "rt/state/bend_plate.h"
 #include "rt/state/elastic_step.h"
 #include "rt/state/energy_ledger.h"
 #include "rt/state/features.h"
@@ -129,11 +130,20 @@ typedef struct {
   const blade_params *blades;      /* of worlds with blades */
   /* state */
   smoothed_strain *smoothed_strains; /* of a triangle */
+  bend_state *bend_states;         /* of a triangle */
+  /* follows from the mesh */
+  bend_shape *bend_shapes;         /* of a triangle */
   /* of one tick */
   membrane_gain *gains;            /* of a triangle */
+  int32_t *strain_threshold;       /* of a triangle, Q28: membrane/strain_law.h */
   material_tensor *stress;                  /* of a triangle at the beginning of the tick, Q12 N/m */
-  bend_hinge *hinges;
-  uint32_t hinge_count;
+  int32_t *plates;                 /* of a triangle: PLATE_COLUMNS */
+  int32_t *folds;                  /* of a side between two triangles: FOLD_COLUMNS */
+  bend_normal *normals;            /* of a triangle, in a bending step */
+  bend_moment *moments;
+  uint32_t fold_count;
+  uint32_t bend_current;          /* 0: tears or cuts have changed the mesh since they were found */
+  uint32_t bend_faded;            /* 1: the angle of some counts less, for triangles pressed together */
   int32_t *inverse_mass;           /* of a vertex: Q24 of 1 / particle mass */
   elastic_position *positions;     /* of a vertex */
   int32_t *low_x, *low_y, *low_z;  /* of a vertex: its position below Q28, Q59 */
@@ -142,6 +152,11 @@ typedef struct {
     elastic_impulse *max_stress;   /* membrane_tear.c: bounds of the stress around a vertex */
   };
   elastic_impulse *external_impulse; /* that of loads and wind */
+  elastic_body *bodies;
+  contact_constraint *constraints; /* of a substep */
+  uint32_t constraint_count;
+  limited_edge *limited_edges; /* of a substep */
+  uint32_t limited_edge_count;
   uint8_t *passing_blade;          /* vertex -> 1: all of its triangles pass a blade */
   uint8_t *near_blade;             /* triangle -> 1: passing a blade, and near a sharp mesh in this tick */
 } membrane_state;
@@ -244,6 +259,16 @@ static inline void world_fault(fray_world *w, uint32_t fault) { w->state->faults
 static inline uint32_t particles_attached(const fray_world *w) { return (uint32_t)w->params->attached; }
 static inline int particle_is_attached(const fray_world *w, uint32_t p) { return p < particles_attached(w); }
 static inline uint32_t triangles_in_use(const fray_world *w) { return (uint32_t)w->trimesh.state->triangles; }
+
+static inline uint32_t bend_fold_stride(const fray_world *w) { return 3u * w->capacity[POOL_TRIANGLES] / 2u; }
+static inline int32_t *bend_fold_column(const fray_world *w, uint32_t column) {
+  FRAY_ASSERT(column < FOLD_COLUMNS);
+  return w->membrane.folds + column * bend_fold_stride(w);
+}
+static inline int32_t *bend_plate_column(const fray_world *w, uint32_t column) {
+  FRAY_ASSERT(column < PLATE_COLUMNS);
+  return w->membrane.plates + column * w->capacity[POOL_TRIANGLES];
+}
 
 static inline vec3 world_position(const fray_world *w, uint32_t p) {
   return vec_make(w->p.x[p], w->p.y[p], w->p.z[p]);

@@ -9,6 +9,8 @@
 void tick_start(fray_world *w, fray_output *output);
 void tick_woven(fray_world *w);
 void tick_membrane(fray_world *w);
+/* The elastic steps of a substep of a membrane; then positions are as particles_advance() leaves them. */
+void elastic_steps_run(fray_world *w, uint32_t substep);
 /* Counts the tick, hashes the state, fills the output. */
 void tick_report(fray_world *w, fray_output *output);
 

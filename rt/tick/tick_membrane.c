@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A tick of the membrane (Karaoz 2015): stress, tears and cuts once a tick (sections 2.7, 3.1, 3.2); each
- * substep is some elastic steps of stress and bending (2.4, 2.5), then collisions (2.6). */
+ * substep is some elastic steps of stress and bending (2.4, 2.5) with contact constraints, then the tests of
+ * paths (2.6). */
 #include "rt/contact/contact.h"
 #include "rt/energy/energy.h"
 #include "rt/integrate/integrate.h"
@@ -24,12 +25,9 @@ void tick_membrane(fray_world *w) {
     if (world_has_rigid_meshes(w)) contact_vertices_begin(w);
     bodies_advance(w, substep);
     energy_bodies(w);
-    membrane_step_run(w, substep);
+    elastic_steps_run(w, substep);
     particles_carry(w);
     energy_moves(w);
-    edge_limit_apply(w);
-    energy_stage(w, FRAY_ENERGY_LIMITS);
-    contact_primitives_solve(w);
     if (world_has_rigid_meshes(w)) contact_vertices_solve(w);
     energy_stage(w, FRAY_ENERGY_CONTACT);
     if (substep + 1u == substeps) {
@@ -40,7 +38,6 @@ void tick_membrane(fray_world *w) {
     }
     particles_update_velocity(w);
     energy_velocities(w);
-    contact_update_velocity(w);
     bodies_update_velocity(w);
     energy_stage(w, FRAY_ENERGY_CONTACT);
   }

@@ -5,6 +5,7 @@
 #include "rt/trimesh/trimesh_split.h"
 
 static void toggle_triangle(fray_world *w, uint32_t t) {
+  w->membrane.bend_current = 0;
   world_toggle_entry(w, trimesh_triangle_entry(&w->trimesh, t));
 }
 static void toggle_vertex(fray_world *w, uint32_t p) {
@@ -111,6 +112,7 @@ trimesh_result trimesh_open_edge(fray_world *w, uint32_t t, uint32_t k, trimesh_
   if (spare_particles(w) < (uint32_t)from_on_boundary + (uint32_t)to_on_boundary) return TRIMESH_NO_PARTICLES;
   set_neighbour(w, t, k, t, mark);
   set_neighbour(w, other, back, other, mark);
+  w->membrane.bend_states[t].offset[k] = w->membrane.bend_states[other].offset[back] = 0;
   open_vertex(w, from, from_on_boundary, t);
   open_vertex(w, to, to_on_boundary, other);
   return TRIMESH_DONE;
@@ -239,8 +241,14 @@ static void relink_neighbour(fray_world *w, uint32_t t, uint32_t k, uint32_t now
 static void copy_properties(fray_world *w, uint32_t part, uint32_t t) {
   w->trimesh.material[part] = w->trimesh.material[t];
   w->membrane.smoothed_strains[part] = w->membrane.smoothed_strains[t];
+  w->membrane.bend_states[part] = w->membrane.bend_states[t];
   w->membrane.stress[part] = w->membrane.stress[t];
   w->membrane.gains[part] = w->membrane.gains[t];
+}
+
+static void update_shape(fray_world *w, uint32_t t) {
+  w->trimesh.weights[t] = trimesh_weights_of(&w->trimesh, t);
+  w->membrane.bend_shapes[t] = bend_shape_of(&w->trimesh, t);
 }
 
 /* Triangle t becomes (apex, k + 1, added) at the same positions, `part` (apex, added, k + 2). Along the
@@ -269,8 +277,10 @@ static void divide_at_edge(fray_world *w, uint32_t t, uint32_t k, uint32_t added
   s->area[t] = part_area(s, t, s->triangle[t].v[k], s->triangle[t].v[next], added);
   s->area[part] = whole - s->area[t];
   FRAY_ASSERT(s->area[t] > 0 && s->area[part] > 0);
-  s->weights[t] = trimesh_weights_of(s, t);
-  s->weights[part] = trimesh_weights_of(s, part);
+  /* the old sides keep their offsets, which are angles; the new one begins with none */
+  w->membrane.bend_states[part].offset[last] = w->membrane.bend_states[t].offset[next] = 0;
+  update_shape(w, t);
+  update_shape(w, part);
   toggle_triangle(w, t);
   toggle_triangle(w, part);
   if (s->first_triangle[end] == t) set_first_triangle(w, end, part);
@@ -361,12 +371,15 @@ static void divide_in_three(fray_world *w, uint32_t t, uint32_t added, uint32_t 
   const uint32_t at[3] = {t, right, left};
   const uint32_t whole = s->area[t];
   const uint32_t mark = s->edge_marks[t];
+  const bend_state bent = w->membrane.bend_states[t];
   for (uint32_t n = 0; n < 3; ++n) {
+    const uint32_t kept = n == 0 ? 2u : n - 1u; /* each has one of the old edges */
     s->triangle[at[n]] = three[n];
     if (n != 0) copy_properties(w, at[n], t);
-    /* each has one of the old edges: 2, 0, 1 */
-    s->edge_marks[at[n]] = (uint8_t)(mark & 3u << (2u * (n == 0 ? 2u : n - 1u)));
-    s->weights[at[n]] = trimesh_weights_of(s, at[n]);
+    s->edge_marks[at[n]] = (uint8_t)(mark & 3u << (2u * kept));
+    for (uint32_t k = 0; k < 3; ++k)
+      w->membrane.bend_states[at[n]].offset[k] = k == kept ? bent.offset[k] : 0;
+    update_shape(w, at[n]);
   }
   s->area[t] = whole - 1u;
   s->area[t] = part_area(s, t, old.v[0], old.v[1], added);

@@ -3,7 +3,7 @@
 # size.sh [update]: bytes of code of rt by machine and folder, and of a whole firmware on the M3; RAM
 # of a world by array, with every spare and 16-bit ids, as the runtime itself accounts for it; against
 # tests/budget and what is asked: a firmware in 64 KiB of code, 16x16 in 64 KiB of RAM, 8x8 with
-# everything that runs it in the 16 KiB of a microbit.
+# everything that runs it in the 16 KiB of a microbit. PART=2/4: the second of four parts of its rows.
 . tests/lib/suite.sh
 . tests/stack/firmware.sh
 
@@ -12,6 +12,8 @@ measured=$work/measured.txt
 folders="base geometry wire state simd image trimesh integrate woven membrane contact self_collision haptics tick workers"
 sheets="8x8 16x16 24x24 80x40"
 stack_max=2048 # stack.sh holds it
+rows="m0-O2 m0-Os m3-O2 m3-Os m4f-O2 m4f-Os m7f-O2 m7f-Os m33-O2 m33-Os rv32-O2 rv32-Os host-O2 host-Os
+  firmware-O2 firmware-Os ram"
 mkdir -p "$work"
 : >"$measured"
 
@@ -184,13 +186,15 @@ measure_microbit() { # BYTES of its world
 
 # shellcheck disable=SC2086
 code_row machine $folders rt data bss
-for name in m0 m3 m4f m7f m33 rv32; do
-  for opt in -O2 -Os; do measure_machine $name $opt; done
-done
-for opt in -O2 -Os; do ! have gcc || measure_code "$(uname -m)" $opt gcc -fno-pie; done
 firmware_cases
-for opt in -O2 -Os; do measure_firmware $opt; done
-measure_ram
+for row in $(sh tests/part.sh share "${PART:-1/1}" $rows); do
+  case $row in
+    ram) measure_ram ;;
+    firmware-*) measure_firmware "-${row#*-}" ;;
+    host-*) ! have gcc || measure_code "$(uname -m)" "-${row#*-}" gcc -fno-pie ;;
+    *) measure_machine "${row%-*}" "-${row#*-}" ;;
+  esac
+done
 for prefix in code. ram.; do
   if sh tests/budget/budget.sh $prefix "$measured" ${1:+"$1"}; then pass; else fail "budgets of $prefix"; fi
 done

@@ -9,8 +9,7 @@
 #   TOOLS, PACKAGES              what it takes, and where Debian has it
 # and returns 1 where something of it is missing.
 # shellcheck disable=SC2034
-CONFIGS_SHORT="gcc-O0 gcc-O2 gcc-O3 gcc-native gcc-id16 gcc-narrow clang-O0 clang-O3 i386-O2
-  s390x-O2 mips-O2 m3-O2"
+CONFIGS_SHORT="gcc-O0 gcc-native gcc-id16 gcc-narrow clang-O3 s390x-O2 m3-O2"
 CONFIGS_FULL="gcc-O0 gcc-O1 gcc-O2 gcc-O3 gcc-Os gcc-native gcc-id16 gcc-narrow gcc-checked
   clang-O0 clang-O2 clang-O3 clang-Os clang-native
   i386-O0 i386-O2 i386-O3 armhf-O0 armhf-O2 armhf-O3 aarch64-O0 aarch64-O2 aarch64-O3

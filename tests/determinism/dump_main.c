@@ -5,7 +5,7 @@
 #include "tests/determinism/line.h"
 
 #ifndef REPLAY_MEMORY
-#define REPLAY_MEMORY 98304
+#define REPLAY_MEMORY 131072
 #endif
 #ifndef REPLAY_KERNEL
 #define REPLAY_KERNEL FRAY_KERNEL_SCALAR

@@ -212,7 +212,9 @@ update_golden() {
       awk -v name="$name" '$1 == "case" { on = $2 == name; next } $1 == "restored" { on = 0 } on' \
         "$work/gcc-O2.txt"
     } >"$golden/$name.txt"
-    echo "$golden/$name.txt: $(grep -c '^[0-9]' "$golden/$name.txt") ticks"
+    written=$(grep -c '^[0-9]' "$golden/$name.txt")
+    echo "$golden/$name.txt: $written ticks"
+    [ "$written" = "$(case_ticks "$name")" ] || fail "$name: $written ticks, expected $(case_ticks "$name")"
   done
 }
 
@@ -288,7 +290,7 @@ case $mode in
     prepare
     update
     sh tests/determinism/images.sh update
-    exit 0 ;;
+    exit $((suite_failed != 0)) ;;
   *-one)
     check_config "$1"
     suite_end

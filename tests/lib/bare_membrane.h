@@ -62,6 +62,8 @@ BARE size_t bare_layout(bare_membrane *b) {
   w->trimesh.material = bare_allocate(b, &used, triangles, 1);
   w->trimesh.weights = bare_allocate(b, &used, triangles, sizeof(trimesh_weights));
   w->membrane.smoothed_strains = bare_allocate(b, &used, triangles, sizeof(smoothed_strain));
+  w->membrane.bend_states = bare_allocate(b, &used, triangles, sizeof(bend_state));
+  w->membrane.bend_shapes = bare_allocate(b, &used, triangles, sizeof(bend_shape));
   w->membrane.stress = bare_allocate(b, &used, triangles, sizeof(material_tensor));
   w->membrane.gains = bare_allocate(b, &used, triangles, sizeof(membrane_gain));
   w->membrane.impulse = bare_allocate(b, &used, particles, sizeof(elastic_impulse));

@@ -166,7 +166,8 @@ FIXTURE int fixture_within_bound(const fray_work *k, const fray_work *most) {
          k->self_box_tests <= most->self_box_tests && k->self_pairs <= most->self_pairs &&
          k->self_ccd <= most->self_ccd && k->self_merged <= most->self_merged &&
          k->mesh_tests <= most->mesh_tests && k->mesh_boxes <= most->mesh_boxes &&
-         k->mesh_ccd <= most->mesh_ccd && k->mesh_pins <= most->mesh_pins && k->blade_cuts <= most->blade_cuts;
+         k->mesh_ccd <= most->mesh_ccd && k->mesh_pins <= most->mesh_pins && k->blade_cuts <= most->blade_cuts &&
+         k->contact_constraints <= most->contact_constraints;
 }
 
 FIXTURE fray_output fixture_tick(fixture *f, const fray_input *input) {

@@ -54,6 +54,28 @@ static void contacts_are_capped_and_reported(void) {
   }
 }
 
+/* All yarns come apart at every crossing and lie on the ground: two particles where there was one. */
+static void a_default_is_enough_for_every_particle(void) {
+  fixture_scoped f = {0};
+  uint32_t faults = 0;
+  uint32_t most = 0;
+  int64_t lowest = INT64_MAX;
+  fixture_print(&f, "scene heap\nrate 1000 Hz\nsubsteps 6\nwoven {\n warps 10\n wefts 10\n spacing 12 /cm\n yarns all\n"
+                    " disconnect_by particles\n orientation horizontal\n tear off\n at 0 0.5 0 mm\n}\n"
+                    "plane ground {\n at 0 0 0 cm\n}\n");
+  for (uint32_t tick = 0; tick < TICKS; ++tick) {
+    faults |= fixture_tick(&f, &fixture_idle).faults;
+    if (f.w->contact.count > most) most = f.w->contact.count;
+    for (uint32_t p = 0; p < f.w->p.count; ++p)
+      if (f.w->p.y[p] < lowest) lowest = f.w->p.y[p];
+  }
+  figure("heap_contacts", most, "", "200: every particle");
+  figure("heap_lowest", (double)lowest / FX_LU, "lu", "at least 0");
+  CHECK_EQ_INT(most, 200);
+  CHECK_EQ_INT(faults & FRAY_FAULT_CONTACTS_FULL, 0);
+  CHECK(lowest >= 0);
+}
+
 /* Never more cuts in a tick than the cap; what is over it waits and says so. */
 static void cuts_are_capped_and_wait(void) {
   for (uint32_t cap = 1; cap <= 64; ++cap) {
@@ -92,6 +114,7 @@ static void cuts_are_capped_and_wait(void) {
 }
 
 int main(void) {
+  TEST(a_default_is_enough_for_every_particle);
   TEST(contacts_are_capped_and_reported);
   TEST(cuts_are_capped_and_wait);
   return test_end();

@@ -112,12 +112,12 @@ static const char boxed[] =
     "material cotton { base t-shirt stretch all 120 20 100 40 N/m }\n"
     "mesh crate { obj \"tests/scenes/meshes/box.obj\" unit 2.5 cm at 0 0 0 cm rotate 20 deg about y friction 0.8 }\n"
     "plane ground { at 0 -2 0 cm }\n";
-/* A strip falls in folds on itself between two walls, and comes to rest. */
+/* A strip falls in folds on itself between two smooth walls, and comes to rest. */
 static const char heap[] =
     "scene heap\nrate 1000 Hz\nsubsteps 4\nwind 0.3 0 1 m/s\n%s\n"
     "membrane {\n columns 5\n rows 30\n cell 1 cm\n pattern irregular 3\n material t-shirt\n drag 2 /s\n elastic_steps_max 32\n"
     " thickness 0.05 cm\n %s\n}\n"
-    "box wall { size 40 40 2 cm at 0 -4 2 cm friction 0.3 }\nbox hind { size 40 40 2 cm at 0 -4 -2.5 cm friction 0.3 }\n"
+    "box wall { size 40 40 2 cm at 0 -4 2 cm friction 0 }\nbox hind { size 40 40 2 cm at 0 -4 -2.5 cm friction 0 }\n"
     "plane ground { at 0 -16 0 cm friction 0.8 }\n";
 static const char slashed[] =
     "scene slashed\nrate 1000 Hz\nsubsteps 2\nwind 0 0 2 m/s\n%s\n"
@@ -139,9 +139,9 @@ static void nothing_passes(void) {
     const char *name, *text;
     uint32_t ticks, passes; /* so many without it, at least */
   } cases[] = {{"folded", folded, 400, 10},
-               {"heap", heap, 900, 10},
+               {"heap", heap, 1200, 10},
                {"boxed", boxed, 600, 10},
-               {"torn", torn, 300, 10},
+               {"torn", torn, 300, 5},
                {"slashed", slashed, 250, 0}};
   for (uint32_t n = 0; n < sizeof cases / sizeof cases[0]; ++n) {
     fixture_scoped f = {0};
@@ -170,7 +170,7 @@ static void pools_of_any_size(void) {
     snprintf(limits, sizeof limits, "limits { contacts 2000 self_collision_pairs %u }", sizes[n / 2]);
     snprintf(name, sizeof name, "%s_pairs_%u", n % 2 ? "torn" : "folded", sizes[n / 2]);
     open_case(&f, n % 2 ? torn : folded, limits, "self_collision on");
-    const result r = run(name, &f, 300, 2 * TEST_FEWER);
+    const result r = run(name, &f, 400, 2 * TEST_FEWER);
     CHECK_EQ_INT(r.passed, 0);
     CHECK(sizes[n / 2] > 5 || (r.faults & FRAY_FAULT_SELF_COLLISION_BUDGET) != 0);
   }
@@ -189,7 +189,7 @@ static void the_list_is_no_state(void) {
     uint32_t differ = 0;
     open_case(&kept, texts[n / 2], limits[n % 2], "self_collision on");
     open_case(&anew, texts[n / 2], limits[n % 2], "self_collision on");
-    for (uint32_t tick = 0; tick < 500; ++tick) {
+    for (uint32_t tick = 0; tick < 700; ++tick) {
       anew.w->tri.list->valid = 0;
       const fray_output a = fixture_tick(&kept, &fixture_idle);
       const fray_output b = fixture_tick(&anew, &fixture_idle);

@@ -233,9 +233,9 @@ static void vertex_has_a_triangle(int broken) {
   if (broken) membrane.w->trimesh.mass[3] = 0;
   membrane_gains_update(membrane.w);
 }
-static void hinges_are_edges(int broken) {
-  if (broken) membrane.w->membrane.hinge_count = 3 * triangles_in_use(membrane.w);
-  bend_force_add(membrane.w);
+static void folds_are_edges(int broken) {
+  if (broken) membrane.w->membrane.fold_count = 3 * triangles_in_use(membrane.w);
+  bend_force_add(membrane.w, BEND_STEP);
 }
 
 /* ---- contact ---- */
@@ -495,7 +495,7 @@ static void trimesh_room(void) {
 static void membrane_room(void) {
   CASE(triangle_has_an_area, "membrane/membrane_stress.c");
   CASE(vertex_has_a_triangle, "membrane/membrane_gains.c");
-  CASE(hinges_are_edges, "membrane/bend_force.c");
+  CASE(folds_are_edges, "membrane/bend_force.c");
 }
 
 static void contact_room(void) {

@@ -161,6 +161,22 @@ static void units_are_within_their_error(void) {
 
 static uint64_t seed = 88172645463325252u;
 
+static void quotients_by_roots_are_near(void) {
+  double most = 0;
+  for (uint32_t trial = 0; trial < 1000000; ++trial) {
+    const uint64_t n = (splitmix64(&seed) >> (trial % 64)) | 1u;
+    const int32_t v = (int32_t)(splitmix64(&seed) >> (33 + trial % 23));
+    const unsigned bits = trial % 31;
+    const fx_root r = fx_rsqrt(n, FX_ROOT_FINE);
+    const double exact = ldexp(v / sqrt((double)n), (int)bits);
+    const double off = fabs((double)fx_root_over(r, v, bits) - exact) - 0.5;
+    if (off > most * exact) most = off / exact;
+    CHECK(fx_root_over(r, -v, bits) == -fx_root_over(r, v, bits));
+  }
+  printf("figure root_over_error 2^%.2f and half a step (asked: below 2^-28)\n", log2(most));
+  CHECK(most < 0x1p-28);
+}
+
 /* The definition, in 64 bits, of what fx_rsqrt() does with factors of 32. */
 static uint32_t wide_inverse(uint32_t m, int steps) {
   uint64_t y = m < 0x80000000u ? 2716337504u - (((uint64_t)m * 616403730u) >> 30)
@@ -212,6 +228,7 @@ static void narrow_forms_are_the_plain_ones(void) {
 }
 
 int main(void) {
+  TEST(quotients_by_roots_are_near);
   TEST(literals);
   TEST(rounding_is_right_for_every_small_number);
   TEST(saturations_hold_at_their_edges);

@@ -76,12 +76,14 @@ static void errors_of_membranes(void) {
        2, "found 'rows 1', expected at least 2 with a pattern that is not regular"},
       {DENIM "load right 1e6 0 0 N/m\n", 8, 1,
        "found 'load right 1e6 0 0 N/m', expected at most 5184 N/m at 1000 Hz with 1 substep"},
+      {DENIM "substeps auto\n", 8, 1,
+       "found 'substeps auto' with 'membrane', expected a number, or 1 without the key"},
       {DENIM "iterations auto\n", 8, 1, "found 'iterations' with 'membrane', expected it only with 'woven'"},
       {DENIM "limits {\n splits_per_tick 3\n}\n", 9, 2,
        "found 'splits_per_tick' with 'membrane', expected it only with 'woven'"},
       {WOVEN "}\nlimits {\n spare_triangles 3\n}\n", 9, 2,
        "found 'spare_triangles' with 'woven', expected it only with 'membrane'"},
-      {OWN " density 200 g/m2\n isotropic 1e9 N/m 0.3\n}\n", 10, 2,
+      {OWN " density 1 g/m2\n isotropic 1e9 N/m 0.3\n}\n", 10, 2,
        "found 'isotropic 1e9 N/m 0.3', expected a stiffness"},
       {OWN " density 200 g/m2\n base denim\n}\n", 10, 2,
        "found 'base' behind 'density 200 g/m2' of line 9, which has no effect then, expected 'base' first"},
@@ -93,6 +95,8 @@ static void errors_of_membranes(void) {
        "found 'stretch' behind 'isotropic 9 N/m 0' of line 10, which has no effect then"},
       {OWN " base denim\n bend 45 1 1 1 1 1 uNm\n bend 45 1 1 1 1 2 uNm\n}\n", 11, 2,
        "found this row of 'bend' again, expected it once"},
+      {OWN " density 200 g/m2\n isotropic 9 N/m 0\n bend 0 1 1 1 1 1 uNm\n bend 45 2 2 2 2 2 uNm\n bend 90 1 1 1 1 1 uNm\n}\n",
+       11, 2, "found 'bend 0 1 1 1 1 1 uNm', expected a stiffness at 45 degrees below 3.8 / (1 / that at 0 + 1"},
       {OWN " base denim\n}\nmaterial x {\n base paper\n}\n", 11, 10,
        "found a second material 'x', expected another name; see line 8"},
       {DENIM "pin row top\nslit column 3 0 2\n", 9, 1, "found a slit that splits an attached vertex"},
@@ -103,6 +107,8 @@ static void errors_of_membranes(void) {
 }
 
 #define BALL WOVEN "}\nsphere b {\n radius 3 mm\n "
+
+#define FREE_BALL BALL "at 0 0 3 cm\n move free\n mass 9 g\n}\n"
 
 static void errors_of_bodies(void) {
   static const message_case cases[] = {
@@ -134,6 +140,16 @@ static void errors_of_bodies(void) {
       {DENIM "box b {\n size 3 3 1 cm\n at 0 0 0 cm\n}\n", 10, 2,
        "found 'at 0 0 0 cm', expected a place beside the cloth: "
        "at tick 0 its vertex at "},
+      {FREE_BALL "plane g {\n at 0 0 2.8 cm\n rotate -90 deg about x\n}\n", 10, 2,
+       "found 'at 0 0 3 cm', expected a place outside of 'g': at tick 0 it is 0.5 cm inside of it; beside it is "
+       "0 cm, 0 cm, 2.5 cm"},
+      {FREE_BALL "box g {\n size 1 1 1 cm\n at 0 0 3.7 cm\n}\n", 10, 2,
+       "found 'at 0 0 3 cm', expected a place outside of 'g': at tick 0 it is 0.1 cm inside of it; beside it is "
+       "0 cm, 0 cm, 2.9 cm"},
+      {FREE_BALL "capsule g {\n length 4 cm\n radius 5 mm\n at 1 0 3 cm\n move free\n mass 9 g\n}\n", 17, 2,
+       "found 'at 1 0 3 cm', expected a place outside of 'b': at tick 0 it is 0.8 cm inside"},
+      {DENIM "sphere b {\n radius 1 cm\n at 0 -9 0 cm\n move free\n mass 9 g\n}\nplane g {\n at 0 -9.3 0 cm\n}\n",
+       10, 2, "found 'at 0 -9 0 cm', expected a place outside of 'g': at tick 0 it is 0.7 cm inside"},
       {WOVEN "}\nmesh k {\n at 0 0 3 cm\n obj \"none.obj\"\n}\n", 10, 2,
        "mesh 'k': none.obj: cannot be opened: No such file or directory"},
   };

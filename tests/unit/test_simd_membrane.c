@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Inner steps of membranes, and what a tick works out for them: every kernel that this machine has
  * against the scalar code, to the last bit. Irregular meshes; vertices where the sheet has them and thrown
- * together, in a plane, on a line, at one point, apart by the size of the world; gains, weights, creases, loads and speeds of their own and
+ * together, in a plane, on a line, at one point, apart by the size of the world; gains, weights, folds, loads and speeds of their own and
  * any. All that kernels read and write ends where the next page faults.
  *
  *   test_simd_membrane [ROWS]     triangles, 2,000,000 unless told, a tenth under sanitizers */
@@ -9,12 +9,13 @@
 #include "tests/lib/test.h"
 
 #include "rt/membrane/membrane.h"
+#include "rt/tick/tick.h"
 #include "rt/simd/simd.h"
 #include "tests/lib/guarded.h"
 #include "tests/lib/simd_kernels.h"
 #include "tests/lib/world_fixture.h"
 
-enum { ROUNDS = 12, ARRAYS = 15, STEPS = 3, VERTICES = 256 };
+enum { ROUNDS = 12, ARRAYS = 21, STEPS = 3, VERTICES = 256 };
 
 static uint64_t rows_asked = GUARDED_SLOW ? 200000 : 2000000;
 
@@ -54,9 +55,15 @@ static void move_all(arrays *a, fray_world *w) {
   MOVE(9, membrane.low_z, particles);
   MOVE(10, membrane.gains, triangles);
   MOVE(11, trimesh.weights, triangles);
-  MOVE(12, membrane.hinges, w->membrane.hinge_count);
+  MOVE(12, membrane.plates, PLATE_COLUMNS * w->capacity[POOL_TRIANGLES]);
   MOVE(13, membrane.smoothed_strains, triangles);
   MOVE(14, membrane.stress, triangles);
+  MOVE(15, membrane.folds, FOLD_COLUMNS * bend_fold_stride(w));
+  MOVE(16, membrane.normals, triangles);
+  MOVE(17, membrane.moments, triangles);
+  MOVE(18, membrane.bend_states, triangles);
+  MOVE(19, membrane.bend_shapes, triangles);
+  MOVE(20, membrane.strain_threshold, triangles);
 }
 
 static void free_all(arrays *a) {
@@ -100,16 +107,38 @@ static void throw_vertices(const fray_world *w, int steep) {
     }
 }
 
+static void throw_folds(const fray_world *w, uint32_t of_moments, uint32_t of_lengths) {
+  const uint32_t of_rates = 1 + draw_below(31);
+  for (uint32_t t = 0; t < (uint32_t)w->trimesh.state->triangles; ++t) {
+    for (uint32_t h = PLATE_H00; h <= PLATE_H12; ++h) bend_plate_column(w, h)[t] = some(of_moments > 28 ? 28 : of_moments);
+    for (uint32_t g = PLATE_G01; g <= PLATE_G22; ++g) bend_plate_column(w, g)[t] = some(of_lengths);
+  }
+  for (uint32_t n = 0; n < w->membrane.fold_count; ++n) {
+    bend_fold_column(w, FOLD_SHARE)[n] = draw_between(0, BEND_ONE);
+    bend_fold_column(w, FOLD_HOLD)[n] = draw_below(3) == 0 ? draw_between(0, BEND_ONE) : BEND_ONE;
+    bend_fold_column(w, FOLD_RATE)[n] = natural(of_rates);
+    bend_fold_column(w, FOLD_OFFSET)[n] = draw_between(-BEND_OFFSET_MAX, BEND_OFFSET_MAX);
+  }
+}
+
+static void throw_habits(const fray_world *w) {
+  const uint32_t most = 1u << (1 + draw_below(27));
+  for (uint32_t t = 0; t < (uint32_t)w->trimesh.state->triangles; ++t)
+    for (uint32_t n = 0; n < SMOOTHED_STRAIN_POLES; ++n) w->membrane.bend_states[t].habit[n] = (int32_t)draw_below(most);
+}
+
 static void throw_gains(const fray_world *w, int steep) {
   const uint32_t triangles = (uint32_t)w->trimesh.state->triangles;
   const uint32_t of_gains = steep ? 28 + draw_below(4) : 1 + draw_below(31);
   /* the third one, their sum, is a weight too */
   const uint32_t of_weights = steep ? 26 + draw_below(4) : 1 + draw_below(30);
-  const uint32_t of_creases = 1 + draw_below(31);
+  const uint32_t of_moments = 1 + draw_below(31);
   const uint32_t of_speeds = 1 + draw_below(30);
   const uint32_t of_masses = 1 + draw_below(31);
   const uint32_t of_loads = 1 + draw_below(22);
   int32_t *const speed[3] = {w->p.vx, w->p.vy, w->p.vz};
+  const uint32_t of_thresholds = 26 + draw_below(6);
+  for (uint32_t t = 0; t < triangles; ++t) w->membrane.strain_threshold[t] = natural(of_thresholds) >> 1;
   if (steep || draw_below(2) == 0)
     for (uint32_t t = 0; t < triangles; ++t)
       for (uint32_t n = 0; n < MATERIAL_ENTRIES; ++n) w->membrane.gains[t].c[n] = some(of_gains);
@@ -117,13 +146,7 @@ static void throw_gains(const fray_world *w, int steep) {
     for (uint32_t t = 0; t < triangles; ++t)
       w->trimesh.weights[t] =
           (trimesh_weights){some(of_weights), some(of_weights), some(of_weights), some(of_weights)};
-  for (uint32_t n = 0; n < w->membrane.hinge_count && draw_below(1000) != 0; ++n) {
-    bend_hinge *c = &w->membrane.hinges[n];
-    for (uint32_t k = 0; k < MATERIAL_CURVES; ++k) c->stiffness[k] = natural(of_creases);
-    c->curvature_scale = natural(1 + draw_below(31));
-    for (uint32_t k = 0; k < 2; ++k) c->height[k] = natural(of_masses);
-    for (uint32_t k = 0; k < 2; ++k) c->foot[k] = draw_between(-(2 << 24), 2 << 24);
-  }
+  throw_folds(w, of_moments, of_masses);
   for (uint32_t p = 0; p < w->p.count; ++p) {
     for (uint32_t n = 0; n < 3; ++n) speed[n][p] = some(of_speeds);
     w->membrane.inverse_mass[p] = natural(of_masses);
@@ -160,23 +183,32 @@ static void begin(fray_world *w, const positions *p) {
 static void run(fray_world *w, const positions *from, fray_kernel kernel) {
   fray_set_kernel(w, kernel);
   begin(w, from);
-  membrane_step_run(w, 0);
+  elastic_steps_run(w, 0);
 }
 
-/* Of a tick, with vertices where they were thrown: stress, wind, creases. */
-static void prepare(fray_world *w, const positions *from, uint32_t creases, fray_kernel kernel) {
+/* Of a tick, with vertices where they were thrown: stress, wind, folds. */
+static void prepare(fray_world *w, const positions *from, fray_kernel kernel) {
   fray_set_kernel(w, kernel);
   begin(w, from);
   membrane_stress_update(w);
+  w->membrane.bend_current = 0;
   membrane_gains_update(w);
   wind_apply(w);
-  memset(w->membrane.hinges + w->membrane.hinge_count, 0, (creases - w->membrane.hinge_count) * sizeof *w->membrane.hinges);
 }
 
 /* Of triangles, as they are now: those before the first that is left to the scalar code. */
 static uint64_t taken_of(const fray_world *w) {
-  const force_view view = {w->membrane.positions, w->membrane.impulse, w->trimesh.triangle, w->trimesh.weights, w->membrane.gains};
+  const force_view view = {w->membrane.positions, w->membrane.impulse, w->trimesh.triangle, w->trimesh.weights, w->membrane.gains, w->membrane.strain_threshold};
   return simd_membrane_force(w->kernel, &view, 0, (uint32_t)w->trimesh.state->triangles);
+}
+
+/* Of folds in the same way. */
+static uint64_t folds_taken_of(const fray_world *w) {
+  const bend_view view = {w->membrane.positions, w->membrane.impulse, w->trimesh.triangle, w->membrane.plates,
+                          w->membrane.folds,     w->membrane.normals, w->membrane.moments, w->capacity[POOL_TRIANGLES],
+                          bend_fold_stride(w),   20,                  1};
+  return simd_bend_folds(w->kernel, &view, 0, w->membrane.fold_count) / 2u +
+         simd_bend_joints(w->kernel, &view, 0, w->membrane.fold_count) / 2u;
 }
 
 static void sheets_are_as_scalar(void) {
@@ -185,37 +217,39 @@ static void sheets_are_as_scalar(void) {
   uint64_t different[SIMD_KERNELS] = {0};
   uint64_t unlike[SIMD_KERNELS] = {0};
   uint64_t taken[SIMD_KERNELS] = {0};
+  uint64_t folds_taken[SIMD_KERNELS] = {0};
   uint64_t rows = 0;
-  uint64_t creases = 0;
+  uint64_t folds = 0;
   while (rows < rows_asked) {
     fixture_scoped f = {0};
     make_sheet(&f);
     fray_world *w = f.w;
     fixture_tick(&f, &fixture_idle); /* fills what follows from the state */
-    ((membrane_params *)(uintptr_t)w->membrane.constants)->steps = STEPS;
-    ((membrane_params *)(uintptr_t)w->membrane.constants)->bend_every = 1;
+    membrane_params *constants = (membrane_params *)(uintptr_t)w->membrane.constants;
+    constants->steps = STEPS;
+    constants->bend_every = 1;
     arrays a;
     positions home;
     positions thrown;
     move_all(&a, w);
-    const uint32_t listed = w->membrane.hinge_count;
     take(w, &home);
     for (uint32_t round = 0; round < ROUNDS; ++round) {
       const int steep = draw_below(8) == 0;
       begin(w, &home);
       throw_vertices(w, steep);
       take(w, &thrown);
+      throw_habits(w);
       keep(&a, a.first);
-      prepare(w, &thrown, listed, FRAY_KERNEL_SCALAR);
+      if (draw_below(2) == 0) constants->mass_unit = draw_between(1 << 8, 1 << 30); /* of all weights */
+      constants->norm2_max = draw_between(1 << 10, 1 << (11 + draw_below(20))); /* few, some, all are softened */
+      prepare(w, &thrown, FRAY_KERNEL_SCALAR);
       keep(&a, a.found);
-      w->membrane.hinge_count = listed;
       for (uint32_t k = 0; k < count; ++k) {
         put(&a);
-        prepare(w, &thrown, listed, kernels[k]);
+        prepare(w, &thrown, kernels[k]);
         unlike[k] += !is_found(&a);
       }
       put(&a);
-      w->membrane.hinge_count = listed;
       throw_gains(w, steep);
       keep(&a, a.first);
       run(w, &thrown, FRAY_KERNEL_SCALAR);
@@ -225,21 +259,23 @@ static void sheets_are_as_scalar(void) {
         run(w, &thrown, kernels[k]);
         different[k] += !is_found(&a);
         taken[k] += taken_of(w);
+        folds_taken[k] += folds_taken_of(w);
       }
       rows += STEPS * (uint32_t)w->trimesh.state->triangles;
-      creases += STEPS * w->membrane.hinge_count;
+      folds += STEPS * w->membrane.fold_count;
     }
     free_all(&a);
   }
   for (uint32_t k = 0; k < count; ++k) {
-    printf("figure sheets_as_scalar_%s %llu triangles, %.0f %% taken at once, %llu creases, sheets that differ "
+    printf("figure sheets_as_scalar_%s %llu triangles, %.0f %% taken at once, %llu folds, sheets that differ "
            "%llu, as prepared %llu (asked: 0)\n",
            simd_kernel_names[kernels[k]], (unsigned long long)rows, 100.0 * (double)taken[k] * STEPS / (double)rows,
-           (unsigned long long)creases, (unsigned long long)different[k],
+           (unsigned long long)folds, (unsigned long long)different[k],
            (unsigned long long)unlike[k]);
     CHECK_EQ_INT(unlike[k], 0);
     CHECK_EQ_INT(different[k], 0);
     CHECK(taken[k] * STEPS > rows / 4);
+    CHECK(folds_taken[k] * STEPS > folds / 2);
   }
 }
 

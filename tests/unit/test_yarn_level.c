@@ -7,7 +7,7 @@
 
 static void open_sheet(fixture *f, const char *yarns) {
   fixture_print(f, "scene level\nrate 1000 Hz\nsubsteps 2\nwoven {\n warps 24\n wefts 16\n spacing 10 /cm\n"
-                   " yarns %s\n}\npin row top\n", yarns);
+                   " yarns %s\n}\npin row top\nlimits { contacts 500 }\n", yarns);
 }
 
 static void it_is_what_yarns_take(void) {

@@ -60,9 +60,9 @@ function rounds(what) {
   # a lane's words by two; what is left of it is a part of its loop over lanes
   if (what == "hash_pairs") return rounds("hash_words") / 2
   if (what == "hash_byte_pairs") return 3 * particles / 2
-  if (what == "hash_words") return 6 * particles + 40 + 12 * bodies + 5 * yarns + (triangles ? 13 + 6 * triangles : 0)
-  if (what == "zeroed") return cleared_bytes + motion_bytes * bodies + (triangles ? 32 * particles : 0)
-  if (what == "zeroed_words") return (cleared_bytes + motion_bytes * bodies) / 4 + 64 + (triangles ? 8 * particles : 0)
+  if (what == "hash_words") return 6 * particles + 40 + 12 * bodies + 5 * yarns + (triangles ? 13 + 11 * triangles : 0)
+  if (what == "zeroed") return cleared_bytes + motion_bytes * bodies + (triangles ? 32 * particles + 16 * triangles : 0)
+  if (what == "zeroed_words") return (cleared_bytes + motion_bytes * bodies) / 4 + 64 + (triangles ? 8 * particles + 4 * triangles : 0)
   # the n-th that enters a heap rises by log2 n at most; once that is full one sinks between two below it
   if (what == "rise_steps") return rises
   if (what == "sink_steps") return (most["tear_tests"] > cuts_max ? most["tear_tests"] - cuts_max : 0) * depth
@@ -80,8 +80,13 @@ function rounds(what) {
   if (what == "sheet_steps") return sheet_inner * substeps
   if (what == "pulls") return triangles * sheet_inner * substeps
   if (what == "folds") return triangles * 3 / 2 * folds * substeps
+  if (what == "bend_triangles") return triangles * folds * substeps
   if (what == "begun_vertices") return (triangles != 0) * particles * substeps
   if (what == "summed_vertices") return particles * sheet_inner * substeps
+  if (what == "inner_bodies") return bodies * sheet_inner * substeps
+  if (what == "inner_planes") return free_bodies * planes * sheet_inner * substeps
+  if (what == "limited_edges") return limited * 3 * triangles * sheet_inner * substeps
+  if (what == "constraints") return constraints
   if (what == "held_pulls") return held * sheet_inner * substeps
   if (what == "vertices_pulled") return (particles - held) * sheet_inner * substeps
   if (what == "ended_vertices") return (triangles != 0) * (particles - held) * substeps
@@ -104,7 +109,7 @@ $1 == "limits" {
   cleared_bytes = $23; motion_bytes = $24
   yarns = $37; spares = $38; slips = $39; splits = $40; all_yarn = $41
   warps = $3; wefts = $42; stretches = $43; inner_steps = $44; crossings = $3 * $42; particles += spares
-  triangles = $45; sheet_inner = $46; folds = $47; cloths = $48; kind_changes = $49
+  triangles = $45; sheet_inner = $46; folds = $47; cloths = $48; kind_changes = $49; limited = $50; constraints = $51
   most["predictions"] = $25; most["projections"] = $26; most["springs"] = $27; most["contacts"] = $28
   most["gathers"] = $29; most["tear_tests"] = $30; most["cuts"] = $32
   if (triangles != 0) most["tear_tests"] = most["cuts"] = 0 # those of rows

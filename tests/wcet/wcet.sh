@@ -11,7 +11,7 @@ machines=${MACHINES:-m0 m3 m4f m7f m33 rv32}
 stages=$(awk '/^[a-z]/ && ($2 == "tick" || $2 == "substep") { print $1 }' tests/wcet/stages.txt)
 # all of rt but the bus and the workers
 rooms="rt/base/*.c rt/geometry/*.c rt/state/*.c rt/simd/*.c rt/image/*.c rt/trimesh/*.c rt/integrate/*.c
-  rt/woven/*.c rt/membrane/*.c rt/contact/*.c rt/self_collision/*.c rt/haptics/*.c rt/tick/*.c"
+  rt/woven/*.c rt/elastic/*.c rt/membrane/*.c rt/contact/*.c rt/self_collision/*.c rt/haptics/*.c rt/tick/*.c"
 cases=$work/cases.c
 mkdir -p "$work"
 

@@ -17,7 +17,7 @@ static int short_name(const char *name, const char **from) {
 static void tick_row(FILE *out, const bench_result *r, const profile *p) {
   const double *ns = p->stage_ns;
   const double shares[6] = {
-      ns[TIMED_STRAIN] + ns[TIMED_STRESS] + ns[TIMED_GAINS] + ns[TIMED_EDGE_LIMIT],
+      ns[TIMED_STRAIN] + ns[TIMED_STRESS] + ns[TIMED_GAINS],
       ns[TIMED_BEND_SHEAR],
       ns[TIMED_ADVANCE] + ns[TIMED_ELASTIC] + ns[TIMED_WIND] + ns[TIMED_VELOCITY],
       ns[TIMED_GATHER] + ns[TIMED_CONTACT_PRIMITIVES],

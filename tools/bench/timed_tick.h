@@ -11,7 +11,7 @@
   X(GATHER, "broad phase") X(YARN_COLLISION, "yarn collision") \
   X(TRIANGLE_COLLISION, "triangle collision") X(CONTACT_VERTICES, "rigid meshes") \
   X(ADVANCE, "motion") X(ELASTIC, "elastic steps") X(STRAIN, "strain limit") \
-  X(EDGE_LIMIT, "edge limit") X(YARN_SLIP, "yarn slip") X(CONTACT_PRIMITIVES, "contacts") \
+  X(YARN_SLIP, "yarn slip") X(CONTACT_PRIMITIVES, "contacts") \
   X(TRANSITION, "transitions") X(SPLIT, "splits") X(TEAR, "tear test") X(BREAK, "breaks") \
   X(VELOCITY, "velocities") X(FORCE, "forces") X(REPORT, "report and hash")
 

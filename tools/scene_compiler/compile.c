@@ -64,7 +64,7 @@ static void plan_capacity(const draft *d, uint32_t capacity[POOLS]) {
   capacity[POOL_BEND_SHEAR_CLASSES] = s->woven.yarns != 0 ? CLASS_SHEAR_HALF + 1 : CLASS_SHEAR + 1;
   capacity[POOL_BODIES] = d->bodies;
   capacity[POOL_KEYS] = s->key_count;
-  capacity[POOL_CONTACTS] = s->limits.has_contacts ? s->limits.contacts : d->crossings;
+  capacity[POOL_CONTACTS] = s->limits.contacts;
   capacity[POOL_BREAKS] = s->limits.tears_per_tick;
   capacity[POOL_RIGID_MESH_WORDS] = draft_rigid_mesh_words(d);
   capacity[POOL_BLADES] = 0;
@@ -228,7 +228,7 @@ static int fill(draft *d, void **memory, fray_world **world) {
   if (world_has_yarn_collision(w) && !draft_yarn_collision(d, WRITABLE(self_params, w->self.constants)))
     return 0;
   w->p.count = d->crossings;
-  return draft_mesh_clearance(d, w) && fill_yarns(d, w) && draft_slits(d, w);
+  return draft_body_clearance(d, w) && draft_mesh_clearance(d, w) && fill_yarns(d, w) && draft_slits(d, w);
 }
 
 int compile_world(const scene *s, const char *file, uint32_t substeps, uint32_t iterations, void **memory,
@@ -254,6 +254,7 @@ int compile_world(const scene *s, const char *file, uint32_t substeps, uint32_t 
 }
 
 static void free_rest(settle_rest *rest) {
+  free(rest->bends);
   for (uint32_t n = 0; n < 3; ++n) free(rest->particles[n]);
 }
 
@@ -267,6 +268,8 @@ static void start_at_rest(fray_world *w, const settle_rest *rest) {
   memcpy(w->p.x, rest->particles[0], particles * sizeof *w->p.x);
   memcpy(w->p.y, rest->particles[1], particles * sizeof *w->p.y);
   memcpy(w->p.z, rest->particles[2], particles * sizeof *w->p.z);
+  if (rest->bends != NULL)
+    memcpy(w->membrane.bend_states, rest->bends, triangles_in_use(w) * sizeof *rest->bends);
 }
 
 /* Along the axis of the largest component of gravity. */

@@ -81,6 +81,8 @@ int draft_find_sharp_edges(const draft *d, const scene_body *b, const char *file
 uint32_t draft_rigid_mesh_words(const draft *d);
 /* Refuses free particles, or triangles, that begin nearer to a mesh than a quarter of the thickness. */
 int draft_mesh_clearance(const draft *d, const fray_world *w);
+/* Refuses free bodies that begin inside of planes or other bodies, deeper than the thickness. */
+int draft_body_clearance(const draft *d, const fray_world *w);
 void draft_rigid_mesh_fill(const draft *d, int32_t *words);
 int draft_order_particles(draft *d);
 int draft_make_springs(draft *d);
@@ -122,7 +124,7 @@ int draft_fixed_point(const draft *d, draft_number n, exact value, unsigned shif
                       int32_t *out);
 /* All stages up to a filled world, for membranes. */
 int draft_membrane(draft *d, void **memory, fray_world **world);
-/* Membranes with `substeps auto`. */
+/* Of membranes, where a scene gives no number. */
 enum { MEMBRANE_SUBSTEPS = 1 };
 
 /* Neighbours of a crossing: before and after it along its weft, along its warp; itself at the edge. */

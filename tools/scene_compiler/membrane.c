@@ -108,7 +108,7 @@ static void plan(const draft *d, const planar_mesh *m, uint32_t capacity[POOLS])
   capacity[POOL_ATTACHED] = d->attached;
   capacity[POOL_BODIES] = d->bodies;
   capacity[POOL_KEYS] = s->key_count;
-  capacity[POOL_CONTACTS] = s->limits.has_contacts ? s->limits.contacts : m->points;
+  capacity[POOL_CONTACTS] = s->limits.has_contacts ? s->limits.contacts : capacity[POOL_PARTICLES];
   capacity[POOL_BREAKS] = s->limits.tears_per_tick;
   capacity[POOL_RIGID_MESH_WORDS] = draft_rigid_mesh_words(d);
   capacity[POOL_TRIANGLE_PAIRS] = !s->woven.self_collision              ? 0
@@ -237,7 +237,7 @@ int draft_membrane(draft *d, void **memory, fray_world **world) {
     if (good) {
       draft_rigid_mesh_fill(d, WRITABLE(int32_t, w->rigid.mesh_words));
       trimesh_derive(w);
-      good = draft_mesh_clearance(d, w) && draft_membrane_slits(d, w);
+      good = draft_body_clearance(d, w) && draft_mesh_clearance(d, w) && draft_membrane_slits(d, w);
       const uint64_t now = trimesh_topology(w);
       w->state->topology[0] = (int32_t)(uint32_t)(now & 0xFFFFFFFFu);
       w->state->topology[1] = (int32_t)(uint32_t)(now >> 32);

@@ -3,6 +3,7 @@
  * many, and the gains that follow. */
 #include <string.h>
 
+#include "rt/membrane/membrane.h"
 #include "tools/scene_compiler/membrane.h"
 
 /* Over all triangles, Q24 lu: the minimum of the edges and of the heights times root 2 (in a right isosceles
@@ -30,45 +31,92 @@ static int64_t min_edge(const trimesh *s, int64_t *min_height, int64_t *min_area
   return min;
 }
 
-/* The steepest slope of stress over strain: the entry c itself, and where c grows with the strain also
- * 2 c - c(rest): c plus the growth of c, at the end of the table's range. */
-static exact stiffest(const material_spec *f) {
+static exact larger(exact a, exact b) { return exact_compare(a, b) > 0 ? a : b; }
+
+/* Of 20 bits, and a little more, so that products stay short. Not exact_valid() above 2^63. */
+static exact rounded_up(exact a) {
+  unsigned shift = 0;
+  int64_t fixed = 0;
+  if (!exact_to_fixed(a, 0, &fixed)) return exact_make(0, 0);
+  while (shift < 40 && fixed < 1 << 20 && exact_to_fixed(a, shift + 1, &fixed)) ++shift;
+  return exact_make(fixed + 1, (int64_t)1 << shift);
+}
+
+/* What c times the largest entry of its row, Q30 of 0..1, resists at most: the greater eigenvalue of c11, c12
+ * and c22, of a strain both ways, or 2 c33, of shear. Rounded up to 1/4096. */
+static exact stiffest_mode(const int64_t c[MATERIAL_ENTRIES]) {
+  const int64_t apart = (c[0] - c[2]) / 2;
+  const uint64_t squared = (uint64_t)(apart * apart) + (uint64_t)(c[1] * c[1]);
+  const int64_t both = (c[0] + c[2]) / 2 + (int64_t)exact_sqrt(squared) + 2;
+  const int64_t most = fx_clamp64(both, 2 * c[3], INT64_MAX);
+  return exact_make((most + (1 << 18) - 1) >> 18, 4096);
+}
+
+/* The steepest slope of stress over strain: the stiffest mode of a row, the entry c itself, and where c grows
+ * with the strain also 2 c - c(rest): c plus the growth of c, at the end of the table's range. */
+static int find_stiffest(const material_spec *f, exact *stiffest) {
   exact max = exact_make(0, 1);
-  for (uint32_t r = 0; r < MATERIAL_ROWS; ++r)
+  for (uint32_t r = 0; r < MATERIAL_ROWS; ++r) {
+    const exact *row = f->stretch[r];
+    exact entry = exact_make(0, 1);
+    int64_t c[MATERIAL_ENTRIES];
     for (uint32_t n = 0; n < MATERIAL_ENTRIES; ++n) {
-      const exact c = f->stretch[r][n];
-      const exact grown = exact_sub(exact_add(c, c), f->stretch[0][n]);
-      if (exact_compare(c, max) > 0) max = c;
-      if (exact_compare(grown, max) > 0) max = grown;
+      const exact grown = exact_sub(exact_add(row[n], row[n]), f->stretch[0][n]);
+      if (!exact_valid(row[n]) || !exact_valid(grown)) return 0;
+      entry = larger(entry, row[n]);
+      max = larger(max, grown);
     }
-  return max;
+    for (uint32_t n = 0; n < MATERIAL_ENTRIES; ++n)
+      if (!exact_to_fixed(exact_div(row[n], entry), 30, &c[n])) return 0;
+    const exact mode = rounded_up(exact_mul(entry, stiffest_mode(c)));
+    if (!exact_valid(mode)) return 0;
+    max = larger(max, entry);
+    const exact near = exact_mul(max, exact_make(4097, 4096)); /* of which mode is rounded */
+    if (!exact_valid(near) || exact_compare(mode, near) > 0) max = mode;
+  }
+  *stiffest = max;
+  return 1;
 }
 
 /* Cloth stretched by l is stiffer by 3 l + 3/2 l^2: by the square of its length, and by its tension,
  * which rotates with it. Waves are then faster by at most 3/2 l, which matters along tears, where no
  * neighbour restrains a vertex. l is at most strain_limit; without one, the strain at which it tears:
  * tension C l is the strength. In steps of 1/64, so that exact numbers stay short. */
-static exact faster_drawn(const scene *s) {
+static exact faster_drawn(const scene *s, exact stiffest) {
   const material_spec *f = &s->membrane.cloth;
   exact l = s->membrane.strain_limit;
   int64_t steps = 0;
   exact max = exact_make(0, 1);
   for (uint32_t n = 0; n < TEAR_STRENGTH_DIRECTIONS; ++n)
     if (exact_compare(f->strength[n], max) > 0) max = f->strength[n];
-  if (l.numerator == 0) l = exact_div(max, stiffest(f));
-  if (max.numerator != 0 && exact_to_fixed(exact_mul(l, exact_make(3, 2)), 6, &steps)) ++steps;
-  return exact_make(64 + fx_clamp64(steps, 0, 64 * 15), 64);
+  if (max.numerator == 0 && l.numerator == 0) return exact_make(1, 1);
+  if (l.numerator == 0) l = exact_div(max, stiffest);
+  if (!exact_valid(l)) l = exact_div(rounded_up(max), rounded_up(stiffest));
+  if (!exact_to_fixed(exact_mul(l, exact_make(3, 2)), 6, &steps)) return exact_make(16, 1);
+  return exact_make(64 + fx_clamp64(steps + 1, 0, 64 * 15), 64);
+}
+
+/* The edge of a right isosceles triangle that is as stiff as the stiffest of these, Q24 lu. */
+static int64_t stress_edge(const trimesh *s, int64_t edge) {
+  int64_t min = edge;
+  for (uint32_t t = 0; t < (uint32_t)s->state->triangles; ++t) {
+    const trimesh_weights weights = trimesh_weights_of(s, t);
+    const trimesh_gram gram = trimesh_gram_of(&weights);
+    const int64_t as = exact_sqrt(((uint64_t)3 << 60) / trimesh_norm2(&gram));
+    /* it is rounded: square cells keep their own edge */
+    if (as < min - min / 1024) min = as;
+  }
+  return min;
 }
 
 /* The square of the steps of a tick. N = 1.7e-3 root(C / rho) / edge in a millisecond, in SI, times the
  * factor of stretched cloth. */
-static exact steps_squared(const draft *d, int64_t edge) {
+static exact steps_squared(const draft *d, int64_t edge, exact stiffest) {
   const scene *s = d->scene;
   /* N/m over g/cm2 is 1000 cm2/s2; the edge is in Q24 lu, taken to 2^-12 of it so that squares fit */
-  const exact speed = exact_mul(exact_div(stiffest(&s->membrane.cloth), s->membrane.cloth.density),
-                                exact_make(1000, 1));
+  const exact speed = exact_mul(exact_div(stiffest, s->membrane.cloth.density), exact_make(1000, 1));
   const exact length = exact_div(exact_make(edge >> 12, 4096), d->lu_per_cm);
-  const exact per_tick = exact_mul(exact_make(17, 10 * (int64_t)s->rate_hz), faster_drawn(s));
+  const exact per_tick = exact_mul(exact_make(17, 10 * (int64_t)s->rate_hz), faster_drawn(s, stiffest));
   const exact crossed = exact_div(exact_div(speed, length), length);
   return exact_mul(crossed, exact_mul(per_tick, per_tick));
 }
@@ -81,41 +129,50 @@ static int refuse_stiffness(const draft *d) {
                         "fewer digits");
 }
 
-static int find_steps(draft *d, int64_t edge) {
+enum { STEPS_BITS = 30, SCALE_MIN = 64 /* Q30: rounded by less than 1 % */ };
+
+/* And the square of the steps that the stress wants in a tick, STEPS_BITS, once the stiffness is scaled. */
+static int find_steps(draft *d, int64_t edge, int64_t *wanted) {
   const scene *s = d->scene;
   const uint32_t max =
       s->membrane.elastic_steps_max > d->substeps ? s->membrane.elastic_steps_max : d->substeps;
-  const exact squared = steps_squared(d, edge);
-  const exact bound = exact_make((int64_t)max * max, 1);
+  const int64_t steps_max = max / d->substeps * d->substeps;
+  const exact bound = exact_make(steps_max * steps_max, 1);
+  exact stiffest;
   int64_t fixed;
   d->stiffness = exact_make(1, 1);
+  if (!find_stiffest(&s->membrane.cloth, &stiffest)) return refuse_stiffness(d);
+  exact squared = steps_squared(d, edge, stiffest);
+  if (!exact_valid(squared)) squared = steps_squared(d, edge, rounded_up(stiffest));
   if (!exact_valid(squared)) return refuse_stiffness(d);
   if (exact_compare(squared, bound) > 0) {
-    if (!exact_to_fixed(exact_div(bound, squared), 30, &fixed) || fixed < 1)
+    if (!exact_to_fixed(exact_div(bound, squared), 30, &fixed) || fixed < SCALE_MIN)
       return draft_expected(d, BLOCK_CLOTH, "elastic_steps_max",
                             "more for so stiff a material, or a softer one");
     d->stiffness = exact_make(fixed, 1 << 30);
     d->elastic_steps = max / d->substeps;
+    *wanted = steps_max * steps_max * ((int64_t)1 << STEPS_BITS);
     return 1;
   }
-  if (!exact_to_fixed(squared, 16, &fixed)) return refuse_stiffness(d);
+  if (!exact_to_fixed(squared, STEPS_BITS, wanted) || !exact_to_fixed(squared, 16, &fixed))
+    return refuse_stiffness(d);
   const uint32_t steps = (exact_sqrt((uint64_t)fixed) + 255) / 256; /* root of Q16: Q8 */
   d->elastic_steps = (steps + d->substeps - 1) / d->substeps;
   if (d->elastic_steps == 0) d->elastic_steps = 1;
   return 1;
 }
 
-/* The least height for which elastic steps of this length are stable: that edge over root 2, and a little for
- * rounding. Lower triangles are treated as 7/10 of that (rt/membrane/membrane_gains.c). */
-static int32_t steepest(const draft *d, int64_t edge) {
+/* The largest trimesh_norm2() that elastic steps of this length bear: 3 over the square of that edge, and
+ * 1/20 more for rounding. What is beyond the word is more than a triangle may have. */
+static int32_t norm2_borne(const draft *d, int64_t edge, int64_t wanted) {
   const int64_t steps = (int64_t)d->elastic_steps * d->substeps;
-  const exact length = exact_make(edge >> 12, 4096);
-  const exact slack =
-      exact_div(exact_make(steps * steps, 1), exact_mul(steps_squared(d, edge), d->stiffness));
-  int64_t fixed;
-  if (!exact_to_fixed(exact_div(exact_div(exact_mul(slack, exact_make(21, 10)), length), length), 12, &fixed))
+  const int64_t length = edge >> 12;
+  int64_t more; /* of the square of the steps, Q16 */
+  int64_t borne;
+  if (!exact_mul_div(steps * steps, (int64_t)1 << (STEPS_BITS + 16), fx_clamp64(wanted, 1, INT64_MAX), &more) ||
+      !exact_mul_div(more, (int64_t)63 << 20, 20 * length * length, &borne))
     return INT32_MAX;
-  return (int32_t)fx_clamp64(fixed, 1 << 10, INT32_MAX);
+  return (int32_t)fx_clamp64(borne, 1 << 10, INT32_MAX);
 }
 
 /* A number of the material: of its own key, or of the word behind `material`. */
@@ -137,11 +194,6 @@ static int fill_material(const draft *d, material_table *f) {
                              number_of(d, "stretch", UNIT_STIFFNESS, exact_mul(from->stretch[r][n], grams)),
                              exact_mul(from->stretch[r][n], d->stiffness), 12, n == 1 ? 0 : 1,
                              MATERIAL_STIFF_MAX, &f->stretch[r][n]))
-        return 0;
-  for (uint32_t b = 0; b < MATERIAL_BENDS; ++b)
-    for (uint32_t n = 0; n < MATERIAL_CURVES; ++n)
-      if (!draft_fixed_point(d, number_of(d, "bend", UNIT_BENDING, from->bend[b][n]), from->bend[b][n], 40, 0,
-                             INT32_MAX, &f->bend[b][n]))
         return 0;
   return 1;
 }
@@ -187,19 +239,61 @@ static exact per_newton(const draft *d) {
                    exact_make(per_second, 1));
 }
 
+/* Stiffness of the plate, 2^-40 N m: along the weft, along the warp, of twist (rt/membrane/bend_prepare.c). */
+typedef struct {
+  int32_t c[MATERIAL_BENDS][MATERIAL_CURVES];
+  int64_t most; /* over all directions and curvatures: N C N of bend_prepare.c */
+} plate;
+
+/* D at 45 degrees is that of a strip, 4 / D = 1 / C11 + 1 / C22 + 1 / C33, so it cannot be any number. At its
+ * bound the twist is infinitely stiff; here it is at most 5 D. */
+static int find_twist(const draft *d, const int32_t strip[3], const exact bend, int32_t *twist) {
+  const uint64_t four = (uint64_t)4 << 28;
+  const uint64_t middle = (uint64_t)(uint32_t)strip[1] << 28;
+  *twist = 0;
+  if (strip[1] == 0) return 1;
+  const uint64_t taken = strip[0] == 0 || strip[2] == 0
+                             ? UINT64_MAX
+                             : middle / (uint32_t)strip[0] + middle / (uint32_t)strip[2];
+  if (taken > four - ((uint64_t)1 << 28) / 5)
+    return draft_expected(d, number_of(d, "bend", UNIT_BENDING, bend).block,
+                          number_of(d, "bend", UNIT_BENDING, bend).key,
+                          "a stiffness at 45 degrees below 3.8 / (1 / that at 0 + 1 / that at 90)");
+  *twist = (int32_t)fx_clamp64((int64_t)(middle / (four - taken)), 0, INT32_MAX);
+  return 1;
+}
+
+/* Rows of the table are by the direction of the fold line: the one along the warp is that of a strip along the
+ * weft. */
+static int find_plate(const draft *d, plate *p) {
+  const material_spec *from = &d->scene->membrane.cloth;
+  p->most = 0;
+  for (uint32_t n = 0; n < MATERIAL_CURVES; ++n) {
+    int32_t strip[3];
+    for (uint32_t b = 0; b < 3; ++b)
+      if (!draft_fixed_point(d, number_of(d, "bend", UNIT_BENDING, from->bend[b][n]), from->bend[b][n], 40, 0,
+                             INT32_MAX, &strip[b]))
+        return 0;
+    p->c[0][n] = strip[2];
+    p->c[1][n] = strip[0];
+    if (!find_twist(d, strip, from->bend[1][n], &p->c[2][n])) return 0;
+    const int64_t across = (p->c[0][n] + (int64_t)p->c[1][n]) / 4 + p->c[2][n];
+    p->most = fx_clamp64(p->most, across, INT64_MAX);
+    p->most = fx_clamp64(p->most, fx_max(strip[0], strip[2]), INT64_MAX);
+  }
+  return 1;
+}
+
 /* Bending acts once in as many elastic steps as stay stable: a plate of stiffness D vibrates on such a mesh
  * at up to root(150 D / rho) / edge^2, and a step may be 2 / 1.5 over that. The number of elastic steps is
  * rounded up to a multiple of it. Where a single step is too long, bending acts in each with *share of D,
  * Q16. */
-static int find_bending(draft *d, int64_t edge, membrane_params *c, int64_t *share) {
+static int find_bending(draft *d, int64_t edge, const plate *p, membrane_params *c, int64_t *share) {
   const scene *s = d->scene;
   const material_spec *cloth = &s->membrane.cloth;
-  exact max = exact_make(0, 1);
   *share = 65536;
-  for (uint32_t b = 0; b < MATERIAL_BENDS; ++b)
-    for (uint32_t n = 0; n < MATERIAL_CURVES; ++n)
-      if (exact_compare(cloth->bend[b][n], max) > 0) max = cloth->bend[b][n];
-  if (max.numerator == 0) return 1;
+  if (p->most == 0) return 1;
+  const exact max = exact_make(p->most >> 4, (int64_t)1 << 36);
   /* in SI: edge^2 times elastic steps a second, Q16; density over D, Q4; then the square of elastic steps in
    * the longest that bending can take, Q16. Rounded on the way, so that the exact numbers stay short */
   const exact length = exact_mul(exact_make(edge >> 12, 4096), exact_make(d->lu_um, 1000000));
@@ -224,17 +318,56 @@ static int find_bending(draft *d, int64_t edge, membrane_params *c, int64_t *sha
   return 1;
 }
 
-static int fill_bending(const draft *d, int64_t share, material_table *f, membrane_params *c) {
+/* The largest e^2 / A of a side, Q8. */
+static int64_t longest_side(const fray_world *w) {
+  int64_t most = 0;
+  for (uint32_t t = 0; t < triangles_in_use(w); ++t)
+    for (uint32_t k = 0; k < 3; ++k) {
+      const int32_t *side = w->membrane.bend_shapes[t].side[k];
+      const int64_t length = fx_add_saturated(side[0], side[1]);
+      most = fx_clamp64(most, fx_round64(length * length, 2 * 26 - 8), INT64_MAX);
+    }
+  return most;
+}
+
+/* The row of the mesh as built, with 17 to 18 bits. */
+static void find_rows(fray_world *w, membrane_params *c) {
+  uint32_t most;
+  c->bend_row_max = 1;
+  for (c->bend_row_shift = 0; c->bend_row_shift < 40; ++c->bend_row_shift) {
+    most = bend_folds_find(w);
+    if (most < 1u << 18) break;
+  }
+  c->bend_row_max = (int32_t)fx_clamp64((int64_t)most, 1, INT32_MAX);
+}
+
+/* Stiffness in units of moments, with the format in which the largest entry of H has 26 bits. */
+static int fill_bending(const draft *d, const plate *p, int64_t share, fray_world *w, membrane_params *c) {
   const exact lu = exact_make(d->lu_um, 1000000);
+  material_table *f = WRITABLE(material_table, w->membrane.materials);
+  int32_t mantissa;
+  int32_t shift;
   if (c->bend_every == 0) return 1;
-  for (uint32_t b = 0; b < MATERIAL_BENDS; ++b)
-    for (uint32_t n = 0; n < MATERIAL_CURVES; ++n)
-      f->bend[b][n] = (int32_t)fx_round64(fx_mul_wide(f->bend[b][n], (int32_t)share), 16);
-  /* k = 24/5 D and sin(t/2): 24/5 every h^2 / (i m lu^2) 2^34 of 2^-40 N m */
-  const exact gain =
-      exact_mul(exact_div(exact_div(per_newton(d), lu), lu), exact_make(24 * c->bend_every, 5 * 64));
+  trimesh_derive(w);
+  /* every h^2 / (i m lu^2) 2^-6 = mantissa 2^-shift, of 2^-40 N m */
+  const exact gain = exact_mul(exact_div(exact_div(per_newton(d), lu), lu), exact_make(c->bend_every, 64));
   const draft_number n = number_of(d, "density", UNIT_AREAL_DENSITY, d->scene->membrane.cloth.density);
-  if (!mantissa_of(d, n, gain, 1, 60, &c->bend_gain, &c->bend_shift)) return 0;
+  if (!mantissa_of(d, n, gain, 1, 60, &mantissa, &shift)) return 0;
+  const int64_t largest = ((p->most >> 8) + 1) * longest_side(w) * share >> 16; /* below 2^36 */
+  int32_t down = 8;
+  while (largest * (mantissa >> 8) >> (down - 8) >= (int64_t)1 << 26) ++down;
+  down = fx_max(down, shift + 34 - 74);
+  c->bend_bits = shift + 34 - down;
+  if (c->bend_bits < 13)
+    return draft_expected(d, number_of(d, "bend", UNIT_BENDING, d->scene->membrane.cloth.bend[0][0]).block,
+                          number_of(d, "bend", UNIT_BENDING, d->scene->membrane.cloth.bend[0][0]).key,
+                          "a softer material, or a heavier one");
+  for (uint32_t b = 0; b < MATERIAL_BENDS; ++b)
+    for (uint32_t k = 0; k < MATERIAL_CURVES; ++k) {
+      const int32_t part = (int32_t)fx_round64(fx_mul_wide(p->c[b][k], (int32_t)share), 16);
+      f->bend[b][k] = (int32_t)fx_clamp64(fx_round64(fx_mul_wide(part, mantissa), (unsigned)down), 0, MATERIAL_BEND_MAX);
+    }
+  find_rows(w, c);
   /* curvature in 1 / lu to steps of 5 / m, Q24 */
   return draft_fixed_point(d, n, exact_div(exact_make(1, 5), lu), 24, 0, INT32_MAX, &c->curve_gain);
 }
@@ -310,6 +443,8 @@ int draft_membrane_params(draft *d, fray_world *w) {
   int64_t height;
   int64_t area;
   int64_t share;
+  int64_t wanted;
+  plate bending;
   const int64_t edge = min_edge(&w->trimesh, &height, &area);
   mesh->triangles = w->trimesh.state->triangles;
   mesh->materials = 1;
@@ -319,7 +454,10 @@ int draft_membrane_params(draft *d, fray_world *w) {
     return draft_expected(d, BLOCK_CLOTH, "pattern",
                           "cells nearer to squares, or another %s: a triangle is too flat",
                           s->membrane.pattern == PATTERN_IRREGULAR ? "seed" : "angle");
-  if (!find_steps(d, edge) || !find_bending(d, edge, c, &share)) return 0;
+  const int64_t stressed = stress_edge(&w->trimesh, edge);
+  if (!find_steps(d, stressed, &wanted) || !find_plate(d, &bending) ||
+      !find_bending(d, edge, &bending, c, &share))
+    return 0;
   if (!fill_material(d, WRITABLE(material_table, w->membrane.materials)) ||
       !fill_tear_strength(d, WRITABLE(tear_strength, w->membrane.tear_strengths)) ||
       (world_has_blades(w) && !fill_blades(d, WRITABLE(blade_params, w->membrane.blades))))
@@ -334,16 +472,16 @@ int draft_membrane_params(draft *d, fray_world *w) {
   if (!mantissa_of(d, number_of(d, "density", UNIT_AREAL_DENSITY, s->membrane.cloth.density),
                    exact_mul(per_newton(d), exact_make(1 << 18, 1)), 8, 60, &c->force_gain, &c->force_shift))
     return 0;
-  c->weight2_max = steepest(d, edge);
-  c->bend_shift = c->wind_shift = 1;
+  c->norm2_max = norm2_borne(d, stressed, wanted);
+  c->wind_shift = c->bend_row_max = 1;
+  c->bend_bits = 13;
   c->smoothing_shift = lowpass_shift_of(s->rate_hz);
   if (s->membrane.strain_limit.numerator != 0 &&
       !draft_fixed_point(d, draft_given(BLOCK_CLOTH, "strain_limit", UNIT_SHARE, s->membrane.strain_limit),
                          exact_add(exact_make(1, 1), s->membrane.strain_limit), 16, 1 << 16, 1 << 20,
                          &c->edge_limit))
     return 0;
-  if (!fill_wind(d, c) || !fill_bending(d, share, WRITABLE(material_table, w->membrane.materials), c))
-    return 0;
+  if (!fill_wind(d, c) || !fill_bending(d, &bending, share, w, c)) return 0;
   for (uint32_t n = 0; n < s->load_count; ++n)
     if (!fill_load(d, w, &s->loads[n], &c->load[n])) return 0;
   return 1;

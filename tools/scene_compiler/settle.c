@@ -155,6 +155,13 @@ static int keep_rest(const fray_world *w, settle_rest *rest) {
     if (rest->particles[n] == NULL) return 0;
     memcpy(rest->particles[n], axes[n], bytes);
   }
+  if (world_has_membrane(w)) {
+    const size_t bends = triangles_in_use(w) * sizeof *rest->bends;
+    free(rest->bends);
+    rest->bends = malloc(bends);
+    if (rest->bends == NULL) return 0;
+    memcpy(rest->bends, w->membrane.bend_states, bends);
+  }
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
     memcpy(rest->bodies[b], w->rigid.states[b].position, sizeof rest->bodies[b]);
   return 1;

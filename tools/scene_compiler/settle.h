@@ -15,9 +15,10 @@ typedef struct {
   void *context;
 } settle_request;
 
-/* Places at tick 0; particles are malloc'ed. */
+/* At tick 0: places, and how membranes are bent; malloc'ed but for bodies. */
 typedef struct {
   int32_t *particles[3];
+  bend_state *bends; /* of triangles; NULL: none */
   int32_t bodies[SCENE_BODIES + 1][3];
 } settle_rest;
 

@@ -187,6 +187,12 @@ static int check_keys_of_cloth(parser *p) {
               {BLOCK_SCENE, "iterations", 0}, {BLOCK_SCENE, "max_rest_strain", 0}};
   static const char *const cloths[] = {"woven", "membrane"};
   const int membrane = p->out->membrane.present;
+  const source_key *substeps = source_find(&p->out->source, BLOCK_SCENE, "substeps");
+  if (membrane && substeps != NULL && p->out->substeps == 0)
+    return parser_fail(p, substeps->place,
+                       "found 'substeps auto' with 'membrane', expected a number, or 1 without the key: the steps "
+                       "that its stiffness needs are found anyhow, and substeps are for collisions, which no test run "
+                       "knows before");
   for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
     const source_key *found = source_find(&p->out->source, rows[k].block, rows[k].key);
     if (found != NULL && rows[k].of_membrane != membrane)
@@ -219,10 +225,10 @@ int scene_parse(const char *file, const char *text, size_t bytes, scene *out, sc
   if (!check_cloth(&p, &seen) || !check_keys_of_cloth(&p) || !membrane_block_resolve(&p) ||
       !pins_resolve(&p) || !slits_check(&p))
     return 0;
-  if (!out->limits.has_contacts && !out->membrane.present)
-    out->limits.contacts = out->woven.warps * out->woven.wefts;
   if (!out->limits.has_spare_particles && out->woven.yarns != 0)
     out->limits.spare_particles = out->woven.warps * out->woven.wefts;
+  if (!out->limits.has_contacts && !out->membrane.present)
+    out->limits.contacts = out->woven.warps * out->woven.wefts + out->limits.spare_particles;
   if (out->limits.self_collision_pairs == 0)
     out->limits.self_collision_pairs = 16u * out->woven.warps * out->woven.wefts;
   if (!out->woven.has_self_thickness) out->woven.self_thickness = out->woven.thickness;

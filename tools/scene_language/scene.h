@@ -206,7 +206,7 @@ typedef struct {
     uint32_t spare_triangles; /* default: of membranes one for each triangle */
     uint32_t spare_particles; /* default: one for each crossing of woven cloth with yarns, or vertex of a
                                  membrane; else 0 */
-    uint32_t contacts;        /* default: one for each crossing or vertex */
+    uint32_t contacts;        /* default: one for each particle, spare ones too */
     uint32_t tears_per_tick;  /* default 16 */
     uint32_t splits_per_tick; /* default 32 */
     uint32_t self_collision_pairs; /* default: 16 for each crossing or triangle */

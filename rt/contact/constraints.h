@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Contact constraints of a membrane: found once a substep, solved in each of its elastic steps. */
+#ifndef FRAY_CONTACT_CONSTRAINTS_H
+#define FRAY_CONTACT_CONSTRAINTS_H
+
+#include "rt/elastic/step_impulse.h"
+
+/* Behind bodies_advance(), before the elastic steps begin. */
+void contact_constraints_find(fray_world *w);
+/* Between the forces of an elastic step and the motion of its vertices: impulses on both. */
+void contact_constraints_solve(fray_world *w, const elastic_step *step);
+/* Behind the elastic steps, whose positions it changes: what got into a primitive nevertheless. */
+void contact_guard_apply(fray_world *w);
+
+/* Parts of these: free bodies on planes. */
+void contact_planes_find(fray_world *w);
+void contact_planes_solve(fray_world *w, const elastic_step *step);
+
+/* Adds a constraint; `gap` is in Q24 lu. Sets a fault where the pool is full. */
+void contact_constraint_add(fray_world *w, uint32_t body, constraint_kind kind,
+                            const uint32_t vertex[3], const int32_t weight[3], vec3 normal,
+                            int64_t gap);
+void contact_constraint_add_vertex(fray_world *w, uint32_t body, constraint_kind kind,
+                                   uint32_t vertex, vec3 normal, int64_t gap);
+
+/* Of a point of the cloth and the body, Q16 of a particle's mass; 0: nothing of it can move. */
+int32_t contact_effective_mass(const fray_world *w, uint32_t body, const uint32_t vertex[3],
+                               const int32_t weight[3]);
+
+#endif

@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "rt/elastic/step_impulse.h"
+
+#include "rt/base/coulomb.h"
+#include "rt/integrate/integrate.h"
+
+enum { IMPULSE_SUM_MAX = 1 << 30, MORE = 1 << (FX_VELOCITY_BITS - ELASTIC_IMPULSE_BITS) };
+
+int32_t step_part_of(int32_t whole, int32_t n, int32_t parts) {
+  FRAY_ASSERT(n >= 0 && n < parts);
+  const int64_t before = (int64_t)whole * n;
+  const int64_t after = before + whole;
+  const int64_t low = before >= 0 ? before / parts : -((-before + parts - 1) / parts);
+  const int64_t high = after >= 0 ? after / parts : -((-after + parts - 1) / parts);
+  return (int32_t)(high - low);
+}
+
+int32_t step_rise_of(const fray_world *w) {
+  const uint32_t substeps_a_second = (uint32_t)w->params->rate_hz * (uint32_t)w->params->substeps;
+  const uint64_t um = (uint64_t)STEP_RISE_UM_S << (FX_VELOCITY_BITS - 12);
+  const uint64_t a_second = (uint64_t)fx_divide_wide(um, (uint32_t)w->params->lu_um) << 12;
+  return a_second >> 30 >= substeps_a_second ? 1 << 30
+                                             : (int32_t)fx_divide_wide(a_second, substeps_a_second);
+}
+
+uint32_t step_inverse_mass(const fray_world *w, uint32_t p) {
+  if (!particle_is_attached(w, p)) return (uint32_t)w->membrane.inverse_mass[p];
+  return (uint32_t)w->rigid.bodies[w->p.attach_body[p]].mass_ratio >> 6;
+}
+
+int32_t step_mass_of(uint64_t k) {
+  const uint64_t one = (uint64_t)1 << 40;
+  FRAY_ASSERT(k != 0 && k >> 39 == 0);
+  if (k <= 1u << 9) return INT32_MAX;
+  if (k <= 1u << 31) return (int32_t)fx_divide_wide(one, (uint32_t)k);
+  if (k <= UINT32_MAX) { /* by half of both: at most one too large */
+    const uint32_t q = fx_divide_wide(one >> 1, (uint32_t)(k >> 1));
+    return (int32_t)(q - ((uint64_t)q * k > one));
+  }
+  return (int32_t)(fx_divide_wide(one, (uint32_t)(k >> 8)) >> 8);
+}
+
+vec3 step_body_velocity(const fray_world *w, uint32_t b) {
+  return b == STEP_NO_BODY ? vec_make(0, 0, 0) : vec_of(w->rigid.states[b].velocity);
+}
+
+vec3 step_velocity(const fray_world *w, uint32_t p, const elastic_step *step) {
+  enum { DOWN = ELASTIC_IMPULSE_BITS + ELASTIC_INVERSE_BITS - FX_VELOCITY_BITS };
+  FRAY_ASSERT(p < w->p.count);
+  if (particle_is_attached(w, p)) return step_body_velocity(w, w->p.attach_body[p]);
+  if (step == NULL) return world_velocity(w, p);
+  const elastic_impulse *sum = &w->membrane.impulse[p];
+  const int32_t inverse = w->membrane.inverse_mass[p];
+  const vec64 v = {w->p.vx[p] + fx_round64(fx_mul_wide(sum->x, inverse), DOWN) + step->gravity[0],
+                   w->p.vy[p] + fx_round64(fx_mul_wide(sum->y, inverse), DOWN) + step->gravity[1],
+                   w->p.vz[p] + fx_round64(fx_mul_wide(sum->z, inverse), DOWN) + step->gravity[2]};
+  return vec_clamp64(v, INT32_MAX);
+}
+
+void step_push_body(fray_world *w, uint32_t b, vec64 impulse) {
+  const vec64 gained = {impulse.x * MORE, impulse.y * MORE, impulse.z * MORE};
+  if (b == STEP_NO_BODY) return;
+  body_add_impulse(&w->rigid.motion[b], gained);
+  if (w->rigid.bodies[b].motion == FRAY_FREE) body_update_velocity(w, b);
+}
+
+static int64_t add_part(int32_t *sum, int64_t impulse) {
+  const int32_t before = *sum;
+  *sum = (int32_t)fx_clamp64(before + impulse, -IMPULSE_SUM_MAX, IMPULSE_SUM_MAX);
+  return (int64_t)*sum - before;
+}
+
+vec64 step_push(fray_world *w, uint32_t p, vec64 impulse) {
+  FRAY_ASSERT(p < w->p.count);
+  if (particle_is_attached(w, p)) {
+    const vec64 back = {-impulse.x, -impulse.y, -impulse.z};
+    step_push_body(w, w->p.attach_body[p], back);
+    return impulse;
+  }
+  elastic_impulse *sum = &w->membrane.impulse[p];
+  const vec64 taken = {add_part(&sum->x, impulse.x), add_part(&sum->y, impulse.y),
+                       add_part(&sum->z, impulse.z)};
+  return taken;
+}
+
+vec3 step_contact_change(vec3 velocity, vec3 normal, int32_t least, int32_t friction,
+                         int32_t *along) {
+  FRAY_ASSERT(friction >= 0);
+  const int32_t speed = vec_dot_unit(velocity, normal);
+  *along = fx_max(speed, least);
+  if (speed >= least) return vec_make(0, 0, 0);
+  const int32_t pushed = fx_saturate((int64_t)least - speed);
+  const vec3 slip = vec_sub_saturated(velocity, vec_scale_unit(normal, speed));
+  return vec_sub_saturated(vec_scale_unit(normal, pushed), coulomb_limited(slip, pushed, friction));
+}
+
+vec64 step_impulse_of(int32_t mass, vec3 change) {
+  enum { DOWN = FX_VELOCITY_BITS + STEP_MASS_BITS - ELASTIC_IMPULSE_BITS };
+  const int64_t bound = (int64_t)1 << 40;
+  const vec64 whole = vec_scale64(change, mass);
+  const vec64 impulse = {fx_clamp64(fx_round64(whole.x, DOWN), -bound, bound),
+                         fx_clamp64(fx_round64(whole.y, DOWN), -bound, bound),
+                         fx_clamp64(fx_round64(whole.z, DOWN), -bound, bound)};
+  return impulse;
+}
+
+void step_book(fray_world *w, fray_energy_stage stage, int32_t mass, vec3 change, vec3 before,
+               vec3 behind) {
+#if FRAY_ENERGY
+  enum { BITS = 2 * FX_VELOCITY_BITS + STEP_MASS_BITS + 1 };
+  const int64_t twice[3] = {(int64_t)before.x + behind.x, (int64_t)before.y + behind.y,
+                            (int64_t)before.z + behind.z};
+  const int32_t gained[3] = {change.x, change.y, change.z};
+  for (uint32_t n = 0; n < 3; ++n) {
+    const wide_number work = wide_product(fx_mul_wide(gained[n], mass), twice[n], BITS);
+    w->energy.stage[stage] = wide_add(w->energy.stage[stage], work);
+    w->energy.booked = wide_add(w->energy.booked, work);
+  }
+#else
+  (void)w, (void)stage, (void)mass, (void)change, (void)before, (void)behind;
+#endif
+}

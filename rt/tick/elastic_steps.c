@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The elastic steps of a membrane in a substep: forces, then constraints at the velocity, then
+ * motion, of vertices and bodies alike. What acts within a step knows of all that acts in it, so
+ * nothing here makes energy. */
+#include "rt/contact/constraints.h"
+#include "rt/elastic/step_bodies.h"
+#include "rt/membrane/membrane.h"
+#include "rt/tick/tick.h"
+
+void elastic_steps_run(fray_world *w, uint32_t substep) {
+  step_view view = membrane_step_begin(w);
+  FRAY_ASSERT(world_has_membrane(w) && substep < (uint32_t)w->params->substeps);
+  step_bodies_begin(w);
+  edge_limits_find(w);
+  contact_constraints_find(w);
+  for (int32_t number = 0; number < w->membrane.constants->steps; ++number) {
+    const elastic_step step = membrane_step_force(w, &view, substep, number);
+    step_bodies_pull(w, &step);
+    edge_limits_solve(w, &step);
+    contact_constraints_solve(w, &step);
+    membrane_step_move(w, &view);
+    step_bodies_move(w, &step, number);
+  }
+  contact_guard_apply(w);
+  membrane_step_end(w);
+  step_bodies_end(w);
+}
