@@ -12,7 +12,7 @@ try() {
   shift 3
   printf '%s\n' "$@" >"$work/measured"
   found=0
-  CI=${ci:-false} BUILD=$FRAY_BUILD/budget_rules BUDGETS=$work/budgets sh tests/budget/budget.sh a. "$work/measured" >"$work/said" 2>&1 ||
+  PART=${part:-1/1} CI=${ci:-false} BUILD=$FRAY_BUILD/budget_rules BUDGETS=$work/budgets sh tests/budget/budget.sh a. "$work/measured" >"$work/said" 2>&1 ||
     found=$?
   if [ "$found" -eq "$code" ] && grep -qF "$words" "$work/said"; then
     pass
@@ -33,6 +33,9 @@ try "1 % more" 0 "+1.0 %" "a.one 1010 $compiler"
 try "more than 1 % more" 1 "FAILED budget, grown: a.one" "a.one 1011 $compiler"
 try "more than 1 % less" 0 "tighten the budget" "a.one 989 $compiler"
 try "not measured" 1 "FAILED budget, gone: a.one" "a.two 5 $compiler"
+part=2/4
+try "not measured, in a part" 0 "" ""
+part=
 try "in no budget" 1 "FAILED budget, new: a.two" "a.one 1000 $compiler" "a.two 5 $compiler"
 try "over what is asked" 1 "FAILED budget, over: a.one" "a.one 2001 $compiler"
 

@@ -27,7 +27,7 @@ if [ -n "${RULES:-}" ]; then
 elif have cppcheck; then
   # shellcheck disable=SC2046
   if cppcheck -j "${JOBS:-2}" --quiet --std=c11 --enable=warning,performance,portability --inline-suppr -I. \
-    --suppress=missingIncludeSystem --suppress=shiftTooManyBitsSigned --error-exitcode=1 $(sh tests/part.sh share "${PART:-1/1}" rt/*) 2>"$work/cppcheck"; then
+    --suppress=missingIncludeSystem --suppress=shiftTooManyBitsSigned --error-exitcode=1 $(sh tests/part.sh share "${PART:-1/1}" rt/*/) 2>"$work/cppcheck"; then
     pass
   else
     fail "cppcheck: $(cat "$work/cppcheck")"
