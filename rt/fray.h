@@ -183,13 +183,12 @@ typedef struct {
   uint32_t mesh_boxes;        /* boxes of rigid meshes' trees tested */
   uint32_t mesh_ccd;          /* continuous collision tests with rigid meshes and spheres */
   uint32_t mesh_pins;         /* particles returned to the start of the substep, beside a body */
-  uint32_t self_box_tests;    /* self-collision: boxes tested. Of a membrane this and self_ccd depend on
-                                 a cache that ticks share and an image does not hold */
+  uint32_t self_box_tests;    /* boxes tested. Of a membrane this and self_ccd depend on a cache, no state */
   uint32_t self_pairs;        /* segments, or a vertex and a triangle, or two edges, that may meet */
   uint32_t self_ccd;          /* continuous collision tests of these */
   uint32_t self_merged;       /* particles merged into impact zones */
   uint32_t blade_cuts;        /* of the tears, those made by blades */
-  uint32_t contact_constraints; /* of a membrane: constraints x elastic steps x substeps */
+  uint32_t contact_constraints; /* of a membrane, with bodies and itself: constraints x elastic steps */
 } fray_work;
 
 typedef struct {
@@ -204,8 +203,7 @@ typedef struct {
   uint8_t result;                         /* its fray_result */
   uint16_t faults;                        /* FRAY_FAULT_*, sticky */
   uint32_t tears_waiting; /* springs over their tear strain that the break budget left for the next tick */
-  uint32_t first_tear;    /* where work.tears > 0: the canonical spring broken first, or the vertex
-                             of the first tear of a membrane */
+  uint32_t first_tear;    /* where work.tears > 0: the first canonical spring, or vertex of a membrane */
   uint32_t tears_total;
   uint32_t splits_waiting; /* crossings that the split budget left for the next tick */
   uint32_t crossings_connected, crossings_loose, crossings_disconnected; /* of the whole cloth */
@@ -217,8 +215,7 @@ typedef struct {
  * of the clock. */
 void fray_tick(fray_world *world, const fray_input *input, fray_output *output);
 
-/* The id of this library's physics: libraries with equal ids give the same bits. fray_info.physics_id is that
- * of the library that wrote the image. Cost: constant. */
+/* The id of this library's physics: equal ids give equal bits. fray_info has the image's. Cost: constant. */
 uint32_t fray_physics_id(void);
 
 /* The hash that the last tick reported; after fray_open() that of the image's state. Cost: constant. */

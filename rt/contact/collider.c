@@ -164,6 +164,7 @@ static void stop_vertex(fray_world *w, const collider *t, uint32_t p, vec3 was) 
 void collider_pin(fray_world *w, const collider *t, uint32_t p, const ccd_path *path) {
   const vec3 was = world_position(w, p);
   ++w->work.mesh_pins;
+  if (world_has_triangle_collision(w)) w->attempt.vertices[p].pinned_to = (uint8_t)t->body;
   collider_place(w, t, p, path->begin);
   if (world_has_membrane(w)) stop_vertex(w, t, p, was);
 }

@@ -157,7 +157,11 @@ const image_array image_arrays[] = {
     LAYERS(KIND_STRUCT, POOL_PARTICLES, sizeof(self_zone), self.zones),
     LAYERS(KIND_ID, POOL_PARTICLES, 1, self.zone_of),
     LAYERS(KIND_BYTE, POOL_PARTICLES, 1, self.moved_round),
-    LAYERS(KIND_BYTE, POOL_PARTICLES, 1, contact.pinned),
+    LAYERS(KIND_STRUCT, POOL_PARTICLES, SELF_CONSTRAINTS * sizeof(self_constraint), tri.constraints),
+    LAYERS(KIND_STRUCT, POOL_STATE, sizeof(attempt_begin), attempt.begin),
+    LAYERS(KIND_STRUCT, POOL_PARTICLES, sizeof(attempt_vertex), attempt.vertices),
+    LAYERS(KIND_STRUCT, POOL_BODIES, sizeof(attempt_body), attempt.bodies),
+    LAYERS(KIND_STRUCT, POOL_TRIANGLES, sizeof(bend_state), attempt.bend_states),
 #endif
 };
 const uint32_t image_array_count = sizeof image_arrays / sizeof image_arrays[0];

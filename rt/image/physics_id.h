@@ -7,6 +7,6 @@
 
 #include <stdint.h>
 
-#define PHYSICS_ID UINT32_C(0x07D85F7D)
+#define PHYSICS_ID UINT32_C(0x16EDCFD4)
 
 #endif

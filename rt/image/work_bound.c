@@ -50,17 +50,20 @@ static void add_yarn_collision(const fray_world *w, fray_work *most) {
   most->self_merged = saturated_product(w->capacity[POOL_PARTICLES], SELF_PASSES * (SELF_MERGES + 2u) + 1u);
 }
 
-/* The pairs may be found twice in a pass; a test against bodies follows each. */
+/* The pairs may be found twice in a pass, and once for constraints; a test against bodies follows a pass. */
 static void add_triangle_collision(const fray_world *w, fray_work *most) {
   const uint64_t triangles = w->capacity[POOL_TRIANGLES];
-  const uint64_t pairs = (uint64_t)w->capacity[POOL_TRIANGLE_PAIRS] * SELF_PASSES;
+  const uint64_t pairs = (uint64_t)w->capacity[POOL_TRIANGLE_PAIRS] * (SELF_PASSES + 1u);
   const uint64_t contacts = w->capacity[POOL_CONTACTS];
   const uint64_t looks = (uint64_t)TRIANGLE_PAIR_CHECKS * collider_count(w);
-  most->self_box_tests = saturated_product(triangles * (triangles + 1u) / 2u, 2 * SELF_PASSES);
+  most->self_box_tests = saturated_product(triangles * (triangles + 1u) / 2u, 2 * (SELF_PASSES + 1u));
   most->self_pairs = saturated_product(pairs, 1);
   most->self_ccd = saturated_sum(saturated_product(pairs, SELF_MERGES),
                                  saturated_product(w->capacity[POOL_TRIANGLE_PAIRS], SELF_ROUNDS));
   most->self_merged = saturated_product(w->capacity[POOL_PARTICLES], SELF_PASSES * (SELF_MERGES + 2u) + 2u);
+  const uint64_t steps = (uint64_t)(uint32_t)w->membrane.constants->steps * (uint32_t)w->params->substeps;
+  const uint64_t constraints = (uint64_t)SELF_CONSTRAINTS * w->capacity[POOL_PARTICLES];
+  most->contact_constraints = saturated_sum(most->contact_constraints, saturated_product(constraints, steps));
   if (!world_has_rigid_meshes(w)) return;
   most->mesh_tests = saturated_sum(most->mesh_tests, saturated_product(w->capacity[POOL_PARTICLES], looks));
   const uint64_t checks = (uint64_t)RIGID_MESH_TRIANGLES * RIGID_MESH_CHECKS;
@@ -71,6 +74,17 @@ static void add_triangle_collision(const fray_world *w, fray_work *most) {
       saturated_product(contacts, looks * (RIGID_MESH_NEAR + RIGID_MESH_CLOSE_CCD * checks)));
   most->mesh_pins =
       saturated_sum(most->mesh_pins, saturated_product(w->capacity[POOL_PARTICLES], 2u * looks));
+}
+
+/* What substeps count, as often as the tick may be done. */
+static void repeat_substeps(fray_work *most) {
+  uint32_t *const counts[] = {&most->particle_steps, &most->element_forces,      &most->bend_forces,
+                              &most->contacts,       &most->contact_constraints, &most->mesh_tests,
+                              &most->mesh_boxes,     &most->mesh_ccd,            &most->mesh_pins,
+                              &most->self_box_tests, &most->self_pairs,          &most->self_ccd,
+                              &most->self_merged};
+  for (uint32_t n = 0; n < sizeof counts / sizeof counts[0]; ++n)
+    *counts[n] = saturated_product(*counts[n], TICK_ATTEMPTS);
 }
 
 /* All triangles once by each mesh, at most as many as contacts; particles twice; what a cut adds is tested
@@ -143,7 +157,10 @@ fray_work fray_work_bound(const fray_world *w) {
     add_woven(w, &most);
   if (world_has_rigid_meshes(w)) add_rigid_meshes(w, &most);
   if (world_has_yarn_collision(w)) add_yarn_collision(w, &most);
-  if (world_has_triangle_collision(w)) add_triangle_collision(w, &most);
+  if (world_has_triangle_collision(w)) {
+    add_triangle_collision(w, &most);
+    repeat_substeps(&most);
+  }
   if (world_has_blades(w)) add_blades(w, &most);
   return most;
 }

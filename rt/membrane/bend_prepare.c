@@ -196,6 +196,13 @@ void bend_offsets_store(fray_world *w) {
   }
 }
 
+void bend_offsets_load(fray_world *w) {
+  for (uint32_t n = 0; n < w->membrane.fold_count; ++n) {
+    const uint32_t first = (uint32_t)bend_fold_column(w, FOLD_FIRST)[n];
+    bend_fold_column(w, FOLD_OFFSET)[n] = w->membrane.bend_states[first / 4u].offset[first % 4u];
+  }
+}
+
 /* ---- a tick ---- */
 
 static void hold_folds(fray_world *w) {

@@ -1,14 +1,29 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The membrane's last resort: no edge grows longer than `edge_limit` times its rest length. The
- * limit is above the strain at which cloth tears, and so hides no stress below that. In each
- * elastic step an edge near it separates no faster than its room allows, and comes back slowly
- * where it has none: an impulse on both ends, which takes energy as a contact does
- * (contact/constraint_solve.c). No SIMD twin: edges follow one another. */
+/* Limits of edges, in each elastic step at the velocity: impulses on both ends, which take energy
+ * as a contact does (contact/constraint_solve.c).
+ *
+ *   length   no edge grows longer than `edge_limit` times its rest length, or than three times
+ * where there is none, as strains beyond that are not told apart. The limit is above the strain at
+ *            which cloth tears, and so hides no stress below that. An edge near it separates no
+ * faster than its room allows, and comes back slowly where it has none rate     no edge changes by
+ * more than an eighth of its rest length in a step: where a triangle is another one after each
+ * step, leapfrog does not keep its energy, however small w h is, and splinters gained speed without
+ * end
+ *
+ * Those that may get there are found once a substep. No SIMD twin: edges follow one another. */
 #include "rt/membrane/membrane.h"
 #include "rt/state/deformation.h"
 
+enum { LENGTH_MAX = 3 << 16 }; /* Q16 */
 /* An edge is looked after from 29/32 of the limit on. */
 enum { NEAR_SQUARED = 210, NEAR_BITS = 8 };
+/* And from a quarter of the greatest rate on. */
+enum { RATE_BITS = 3, NEAR_RATE_BITS = 5 };
+
+static uint32_t limit_of(const fray_world *w) {
+  const int32_t given = w->membrane.constants->edge_limit;
+  return (uint32_t)(given != 0 ? given : LENGTH_MAX);
+}
 
 /* By squares, Q48; `limit` is Q16. */
 static int is_near_limit(uint64_t length2, uint64_t rest2, uint32_t limit) {
@@ -16,24 +31,30 @@ static int is_near_limit(uint64_t length2, uint64_t rest2, uint32_t limit) {
   return length2 >> 24 >= ((rest2 >> 24) * limit2 >> 16) * NEAR_SQUARED >> NEAR_BITS;
 }
 
+/* By squares: the relative velocity in Q24 lu per substep, so that they fit. */
+static int is_near_rate(const fray_world *w, uint32_t i, uint32_t j, uint64_t rest2) {
+  const vec3 apart = vec_sub_saturated(world_velocity(w, j), world_velocity(w, i));
+  const uint32_t steps = (uint32_t)w->membrane.constants->steps;
+  const uint64_t speed2 = vec_squared(vec_asr(apart, FX_SUB_BITS));
+  return speed2 >> 6 > (rest2 >> (6 + 2 * NEAR_RATE_BITS)) * (steps * steps);
+}
+
 static void find_edge(fray_world *w, uint32_t i, uint32_t j) {
   FRAY_ASSERT(i < w->p.count && j < w->p.count && i != j);
   const trimesh *s = &w->trimesh;
-  const uint32_t limit = (uint32_t)w->membrane.constants->edge_limit;
   const uint64_t rest2 = fx_square(fx_sub(s->u[j], s->u[i])) + fx_square(fx_sub(s->v[j], s->v[i]));
-  if (rest2 == 0 || !is_near_limit(vec_squared(deformation_edge(w, i, j)), rest2, limit)) return;
-  const uint64_t rest = fx_root_length(fx_rsqrt(rest2, FX_ROOT_FINE));
+  const int is_long = is_near_limit(vec_squared(deformation_edge(w, i, j)), rest2, limit_of(w));
+  if (rest2 == 0 || !(is_long || is_near_rate(w, i, j, rest2))) return;
   limited_edge *e = &w->membrane.limited_edges[w->membrane.limited_edge_count++];
   e->i = (index_t)i;
   e->j = (index_t)j;
-  e->length_max = (uint32_t)(rest * limit >> (16 - FX_SUB_BITS));
+  e->rest = fx_root_length(fx_rsqrt(rest2, FX_ROOT_FINE));
 }
 
 void edge_limits_find(fray_world *w) {
   const trimesh *s = &w->trimesh;
   FRAY_ASSERT(world_has_membrane(w));
   w->membrane.limited_edge_count = 0;
-  if (w->membrane.constants->edge_limit == 0) return;
   for (uint32_t t = 0; t < triangles_in_use(w); ++t)
     for (uint32_t k = 0; k < 3; ++k)
       if (s->triangle[t].neighbour[k] >= t)
@@ -51,11 +72,16 @@ static void solve_edge(fray_world *w, const limited_edge *e, const elastic_step 
   const fx_root root = fx_rsqrt(squared, FX_ROOT_FINE);
   const vec3 unit = vec_root_unit(root, d);
   const int32_t separating = vec_dot_unit(velocity, unit);
-  const int32_t room = fx_saturate((int64_t)e->length_max - fx_root_length(root));
-  const int32_t least = step_speed_min(room, w->membrane.constants->steps, step->rise);
-  if (-(int64_t)separating >= least) return;
+  const int64_t longest =
+      (int64_t)((uint64_t)e->rest * limit_of(w) >> (16 - FX_SUB_BITS)); /* Q28 */
+  const int32_t room = fx_saturate(longest - fx_root_length(root));
+  const int32_t by_room = -step_speed_min(room, w->membrane.constants->steps, step->rise);
+  const int32_t rate = fx_saturate(
+      (int64_t)e->rest * (1 << FX_SUB_BITS) * w->membrane.constants->steps >> RATE_BITS);
+  const int32_t wanted = fx_max(-rate, fx_min(separating, fx_min(by_room, rate)));
+  if (wanted == separating) return;
   const int32_t mass = step_mass_of(k);
-  const vec3 change = vec_scale_unit(unit, fx_saturate(-(int64_t)separating - least));
+  const vec3 change = vec_scale_unit(unit, fx_saturate((int64_t)wanted - separating));
   const vec64 impulse = step_impulse_of(mass, change);
   const vec64 back = {-impulse.x, -impulse.y, -impulse.z};
   if (step_is_metered(w))

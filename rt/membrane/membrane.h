@@ -34,6 +34,7 @@ void bend_force_add(fray_world *w, bend_step_kind kind);
 uint32_t bend_folds_find(fray_world *w); /* folds of the mesh; returns the largest row, see bend_folds.c */
 void bend_habit_update(fray_world *w);   /* from the angles of a bending step */
 void bend_offsets_store(fray_world *w);
+void bend_offsets_load(fray_world *w);
 
 #if FRAY_ENERGY
 /* Impulses of stress and bending, as of an elastic step that begins here: for the energy ledger. Uses the

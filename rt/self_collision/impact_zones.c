@@ -28,24 +28,49 @@ void impact_zones_begin(fray_world *w) {
   w->self.round = 1;
 }
 
-uint32_t impact_zones_of(fray_world *w, uint32_t p) {
-  FRAY_ASSERT(p < w->p.count);
+/* A tree whose entries are so many ids apart. */
+typedef struct {
+  index_t *first;
+  uint32_t stride;
+} zone_tree;
+
+static zone_tree tree_of(fray_world *w) {
+  const zone_tree t = {w->self.zone_of, 1};
+  return t;
+}
+static zone_tree joined_tree_of(fray_world *w) {
+  const zone_tree t = {&w->attempt.vertices->joined, sizeof(attempt_vertex) / sizeof(index_t)};
+  return t;
+}
+static index_t *entry_of(const zone_tree *t, uint32_t p) { return &t->first[p * t->stride]; }
+
+static uint32_t root_of(const zone_tree *t, uint32_t p) {
   uint32_t at = p;
-  while (w->self.zone_of[at] != at) {
-    FRAY_ASSERT(w->self.zone_of[at] < at);
-    w->self.zone_of[at] = w->self.zone_of[w->self.zone_of[at]];
-    at = w->self.zone_of[at];
+  while (*entry_of(t, at) != at) {
+    FRAY_ASSERT(*entry_of(t, at) < at);
+    *entry_of(t, at) = *entry_of(t, *entry_of(t, at));
+    at = *entry_of(t, at);
   }
   return at;
 }
 
+/* Returns 1 iff they were apart. */
+static int join(const zone_tree *t, uint32_t p, uint32_t q) {
+  const uint32_t a = root_of(t, p);
+  const uint32_t b = root_of(t, q);
+  *entry_of(t, a < b ? b : a) = (index_t)(a < b ? a : b);
+  return a != b;
+}
+
+uint32_t impact_zones_of(fray_world *w, uint32_t p) {
+  FRAY_ASSERT(p < w->p.count);
+  const zone_tree t = tree_of(w);
+  return root_of(&t, p);
+}
+
 void impact_zones_join(fray_world *w, uint32_t p, uint32_t q) {
-  const uint32_t a = impact_zones_of(w, p);
-  const uint32_t b = impact_zones_of(w, q);
-  if (a < b)
-    w->self.zone_of[b] = (index_t)a;
-  else
-    w->self.zone_of[a] = (index_t)b;
+  const zone_tree t = tree_of(w);
+  (void)join(&t, p, q);
   w->self.merged = 1;
   FRAY_ASSERT(impact_zones_of(w, p) == impact_zones_of(w, q));
 }
@@ -65,6 +90,37 @@ int impact_zones_are_near(const fray_world *w) {
   return 1;
 }
 
+/* ---- for another attempt ---- */
+
+void impact_zones_forget(fray_world *w) {
+  FRAY_ASSERT(world_has_triangle_collision(w));
+  for (uint32_t p = 0; p < w->p.count; ++p) {
+    w->attempt.vertices[p].joined = (index_t)p;
+    w->attempt.vertices[p].joined_body = 0;
+  }
+  w->attempt.begin->joined_any = w->attempt.begin->joined_new = 0;
+}
+
+void impact_zones_keep(fray_world *w) {
+  const zone_tree joined = joined_tree_of(w);
+  int grown = 0;
+  FRAY_ASSERT(world_has_triangle_collision(w));
+  for (uint32_t p = 0; p < w->p.count; ++p) {
+    attempt_vertex *v = &w->attempt.vertices[p];
+    grown |= join(&joined, p, impact_zones_of(w, p));
+    if (v->pinned == 0 || v->joined_body != 0) continue;
+    v->joined_body = (uint8_t)(v->pinned_to + 1u);
+    grown = 1;
+  }
+  w->attempt.begin->joined_new |= (uint32_t)grown;
+}
+
+uint32_t impact_zones_joined(fray_world *w, uint32_t p) {
+  FRAY_ASSERT(p < w->p.count);
+  const zone_tree t = joined_tree_of(w);
+  return root_of(&t, p);
+}
+
 /* ---- positions ---- */
 
 /* Of yarns in half crossings; of vertices in 64ths of a particle, bounded so that sums keep within 64
@@ -76,7 +132,7 @@ static int32_t weight_of(const fray_world *w, const vertex_mass_scale *scale, ui
 
 /* Attached to a body, or pinned to one in this tick. */
 static int is_fixed(const fray_world *w, uint32_t p) {
-  return p < particles_attached(w) || (world_has_triangle_collision(w) && w->contact.pinned[p] != 0);
+  return p < particles_attached(w) || (world_has_triangle_collision(w) && w->attempt.vertices[p].pinned != 0);
 }
 
 void impact_zones_shift(fray_world *w, uint32_t p, vec3 by) {

@@ -6,9 +6,13 @@
  *
  *   find    pairs of a vertex and a triangle, and of two edges, that may come near each other
  *           (triangle_collision_find.c, triangle_collision_test.c)
- *   push    those that come nearer than the thickness, a few rounds: positions, and the approach speed
- *           by an impulse that conserves momentum to the last bit (triangle_collision_pair.c)
+ *   push    those that come nearer than the thickness, a few rounds: what is left of their approach is
+ *           taken by an impulse that conserves momentum to the last bit (triangle_collision_pair.c)
  *   merge   those that touch on their paths nevertheless: their vertices become one impact zone
+ *
+ * Before, in the elastic steps, those that may meet are constraints (self_constraints.c), so that little
+ * is left here. Zones that this finds move as one from the beginning in the next attempt at the tick
+ * (impact_zone_steps.c, tick/tick_membrane.c); what the last one finds is put together by position.
  *
  * If a zone moves farther than the search allowed for, the pass is repeated. Then changed paths are
  * tested against rigid meshes and spheres again: a vertex that would cross a body is pinned to
@@ -46,9 +50,17 @@ void triangle_collision_merge(fray_world *w, const triangle_pair *pair) { pair_m
 void triangle_collision_begin(fray_world *w) {
   FRAY_ASSERT(world_has_triangle_collision(w));
   patches_advance(w);
+  impact_zones_forget(w);
+  for (uint32_t p = 0; p < w->p.count; ++p) w->self.paths[p].begin = world_position(w, p);
+}
+
+void triangle_collision_rewind(fray_world *w) {
+  FRAY_ASSERT(world_has_triangle_collision(w));
   for (uint32_t p = 0; p < w->p.count; ++p) {
-    w->self.paths[p].begin = world_position(w, p);
-    w->contact.pinned[p] = 0;
+    const vec3 begin = w->self.paths[p].begin;
+    w->p.x[p] = begin.x;
+    w->p.y[p] = begin.y;
+    w->p.z[p] = begin.z;
   }
 }
 
@@ -64,7 +76,7 @@ static int pin_to_bodies(fray_world *w) {
     const vec3 at = world_position(w, p);
     if (vec_is_equal(at, was)) continue;
     world_shift_predicted(w, p, vec_sub(at, was));
-    w->contact.pinned[p] = 1;
+    w->attempt.vertices[p].pinned = 1;
     pinned = 1;
   }
   return pinned;
@@ -79,18 +91,25 @@ static void merge_all(fray_world *w) {
   if (pin_to_bodies(w)) world_fault(w, FRAY_FAULT_CONTACT_UNRESOLVED);
 }
 
-void triangle_collision_solve(fray_world *w) {
-  int moved = 0;
-  FRAY_ASSERT(world_has_triangle_collision(w));
+static void solve(fray_world *w) {
+  for (uint32_t p = 0; p < w->p.count; ++p) w->attempt.vertices[p].pinned = 0;
   for (uint32_t pass = 0; pass < SELF_PASSES; ++pass) {
     impact_zones_begin(w);
     if (!triangle_collision_find(w)) break;
-    if (pass == 0) moved = push_pairs(w);
+    if (pass == 0) (void)push_pairs(w);
     merge_pairs(w);
     impact_zones_average(w);
-    moved |= w->self.merged != 0;
-    if (!impact_zones_are_near(w)) continue;
-    if (!moved || !pin_to_bodies(w)) return;
+    if (w->self.merged == 0) return;
+    impact_zones_keep(w);
+    if (impact_zones_are_near(w) && !pin_to_bodies(w)) return;
   }
   merge_all(w);
+}
+
+void triangle_collision_solve(fray_world *w) {
+  FRAY_ASSERT(world_has_triangle_collision(w));
+  w->attempt.begin->joined_new = 0;
+  solve(w);
+  impact_zones_keep(w);
+
 }

@@ -24,6 +24,11 @@ ccd_gap triangle_collision_gap(const fray_world *w, const triangle_pair *pair);
 int triangle_collision_push(fray_world *w, triangle_pair *pair);
 int triangle_collision_touches(fray_world *w, const triangle_pair *pair);
 
+/* Adds a constraint of the elastic steps for two features that come near each other. */
+void triangle_collision_constrain(fray_world *w, const triangle_pair *pair);
+void self_constraint_add(fray_world *w, const uint32_t p[4], const int32_t weight[4], vec3 normal,
+                          int64_t gap);
+
 /* Puts all four vertices into one impact zone. */
 void triangle_collision_merge(fray_world *w, const triangle_pair *pair);
 

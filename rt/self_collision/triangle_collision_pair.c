@@ -4,9 +4,15 @@
  * of the first negative, one sum over all four gives the gap vector from the first point to the second
  * (collision_pair_weights()). */
 #include "rt/self_collision/triangle_collision.h"
-#include "rt/state/vertex_mass.h"
 
-enum { RATIO_BITS = 16, RATIO_ONE = 1 << RATIO_BITS, RATIO_MAX = 4 << RATIO_BITS };
+#include "rt/elastic/step_impulse.h"
+
+enum {
+  RATIO_BITS = 16,
+  RATIO_ONE = 1 << RATIO_BITS,
+  RATIO_MAX = 4 << RATIO_BITS,
+  OUT_TICKS_BITS = 5 /* what is nearer than the thickness gets a 32nd of what it lacks in a tick */
+};
 
 static collision_pair pair_of(const fray_world *w, const triangle_pair *pair) {
   collision_pair m;
@@ -105,17 +111,18 @@ static void add_body_impulse(fray_world *w, const uint32_t p[4], const int64_t g
   body_add_impulse(&w->rigid.motion[w->p.attach_body[p[n]]], impulse);
 }
 
-/* Removes the approach speed. Of a pair that is pushed apart it removes all relative normal speed: at
- * the end of the tick what has collided may already swing back, and would gain energy by each push. */
-static void stop_approach(fray_world *w, const uint32_t p[4], const int32_t b[4], const int32_t ratio[4],
-                          vec3 normal, int is_pushed) {
-  const int64_t speed = collision_pair_speed(w, p, b, normal);
+/* Relative speed along the normal is at least `out` from here on. Of a pair that is nearer than the
+ * thickness it is that: at the end of the tick what has collided may already swing back, and faster.
+ * Returns 1 iff a speed has changed. */
+static int push_apart(fray_world *w, const uint32_t p[4], const int32_t b[4], const int32_t ratio[4],
+                      vec3 normal, int32_t out) {
+  const int64_t missing = out - collision_pair_speed(w, p, b, normal);
   const uint32_t last = heaviest_of(w, p);
-  if ((speed >= 0 && !is_pushed) || last == 4 || is_too_fast(w, p)) return;
+  if (missing == 0 || (missing < 0 && out == 0) || last == 4 || is_too_fast(w, p)) return 0;
 
   int32_t change[3][4];
   int is_free = 1;
-  const int32_t amount = fx_clamp_wide(-speed, FX_SPEED_MAX / 16);
+  const int32_t amount = fx_clamp_wide(missing, FX_SPEED_MAX / 16);
   for (uint32_t n = 0; n < 4; ++n) {
     const vec3 by = vec_scale_unit(normal, fx_mul_round(amount, ratio[n], RATIO_BITS));
     change[0][n] = by.x;
@@ -130,14 +137,22 @@ static void stop_approach(fray_world *w, const uint32_t p[4], const int32_t b[4]
   for (uint32_t k = 0; k < 3; ++k)
     gained[k] = change_axis(w, p, change[k], last, speeds[k], &remainder[k], is_free);
   if (!is_free) add_body_impulse(w, p, gained);
+  for (uint32_t n = 0; n < 4; ++n) w->self.moved_round[p[n]] = w->self.round;
+  return 1;
 }
 
 /* ---- the push ---- */
 
+/* Q28 lu per substep, for what is missing to the thickness, Q24 lu. */
+static int32_t speed_out(const fray_world *w, int32_t missing) {
+  if (missing <= 0) return 0;
+  const int64_t a_tick = (int64_t)missing * (1 << FX_SUB_BITS) >> OUT_TICKS_BITS;
+  return (int32_t)fx_clamp64(a_tick / w->params->substeps, 1, step_rise_of(w));
+}
+
 int triangle_collision_push(fray_world *w, triangle_pair *pair) {
   FRAY_ASSERT(pair->kind < TRIANGLE_PAIR_CORNERS + 9u && pair->triangle[0] > pair->triangle[1]);
   const collision_pair m = pair_of(w, pair);
-  const vec3 begin[4] = {m.path[0].begin, m.path[1].begin, m.path[2].begin, m.path[3].begin};
   const vec3 end[4] = {m.path[0].end, m.path[1].end, m.path[2].end, m.path[3].end};
   const int32_t thickness = w->self.constants->thickness;
   int32_t b[4];
@@ -149,21 +164,19 @@ int triangle_collision_push(fray_world *w, triangle_pair *pair) {
   pair->near = 1;
   collision_pair_weights(triangle_pair_firsts(pair), &c, b);
 
-  /* a pair that began nearer than the thickness gains 1/128 of it in a tick */
-  const int32_t gain = thickness / 128;
-  int32_t wanted = thickness;
-  if (c.time == 0) wanted = fx_clamp(gap_along(begin, b, c.normal), 0, thickness - gain) + gain;
-  const int64_t missing = (int64_t)wanted - gap_along(end, b, c.normal);
-
   if (!ratios_of(w, m.p, b, ratio)) return 0;
-  stop_approach(w, m.p, b, ratio, c.normal, missing > 0);
-  if (missing <= 0 || missing > thickness) return 0;
-  const int32_t by = (int32_t)(missing < FX_LU / 8 ? missing : FX_LU / 8);
-  for (uint32_t n = 0; n < 4; ++n) {
-    const int32_t own = fx_mul_round(by, ratio[n], RATIO_BITS);
-    if (ratio[n] != 0) impact_zones_shift(w, m.p[n], vec_scale_unit(c.normal, own));
-  }
-  return 1;
+  return push_apart(w, m.p, b, ratio, c.normal, speed_out(w, thickness - gap_along(end, b, c.normal)));
+}
+
+void triangle_collision_constrain(fray_world *w, const triangle_pair *pair) {
+  const collision_pair m = pair_of(w, pair);
+  const vec3 begin[4] = {m.path[0].begin, m.path[1].begin, m.path[2].begin, m.path[3].begin};
+  const int32_t thickness = w->self.constants->thickness;
+  int32_t b[4];
+  ccd_contact c;
+  if (!ccd_of(w, pair, &m, thickness, &c)) return;
+  collision_pair_weights(triangle_pair_firsts(pair), &c, b);
+  self_constraint_add(w, m.p, b, c.normal, (int64_t)gap_along(begin, b, c.normal) - thickness);
 }
 
 /* ---- touching ---- */

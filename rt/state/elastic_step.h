@@ -28,10 +28,10 @@ typedef struct {
 
 enum { LIMITED_EDGES_PER_TRIANGLE = 3 }; /* room in the pool */
 
-/* An edge near the limit of its length, in a substep. */
+/* An edge near the limit of its length or of its rate, in a substep. */
 typedef struct {
   index_t i, j;
-  uint32_t length_max; /* Q28 lu */
+  uint32_t rest; /* its length at rest, Q24 lu */
 } limited_edge;
 
 /* c of a triangle in this tick (until membrane_gains_update()), then c times its area: from a strain in Q28

@@ -97,4 +97,15 @@ typedef struct {
   uint32_t merge_rest;     /* pairs that have no room are merged instead of listed */
 } triangle_pair_list;
 
+/* Two features that may meet in this tick, for its elastic steps. */
+typedef struct {
+  index_t p[4];
+  int32_t weight[4]; /* Q15, those of the first feature negative, sum 0 */
+  vec3 normal;       /* Q30, from the first to the second */
+  int32_t gap, low;  /* beyond the thickness: Q28 lu, and 31 bits below it */
+  int32_t gap_begin; /* when the tick begins */
+  int32_t mass;      /* effective mass, Q16 of a particle's mass */
+} self_constraint;
+enum { SELF_CONSTRAINTS = 1 }; /* room for each vertex */
+
 #endif

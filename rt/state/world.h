@@ -17,6 +17,7 @@
 #include "rt/state/features.h"
 #include "rt/state/triangle_pairs.h"
 #include "rt/state/params.h"
+#include "rt/state/tick_attempt.h"
 #include "rt/state/spring.h"
 #include "rt/state/self_pairs.h"
 #include "rt/state/trimesh.h"
@@ -180,7 +181,6 @@ typedef struct {
   int32_t *start_x, *start_y, *start_z; /* at the start of the substep, Q24 lu */
   uint8_t *side_mask;              /* particle -> sides of a collider's box, see contact/collider.h */
   index_t *near_triangles;         /* cloth triangles near the mesh */
-  uint8_t *pinned;                 /* particle -> 1: pinned to a body in this tick */
 } contact_state;
 
 /* Self-collision of both models. Writer: self_collision/. */
@@ -219,6 +219,7 @@ typedef struct {
   triangle_patch *patches;
   patch_pair *patch_pairs;
   triangle_pair_list *list;
+  self_constraint *constraints;    /* of a tick: attempt.begin->constraints */
 } triangle_collision_state;
 
 /* What a tick answers to its hands. Writer: haptics/. */
@@ -243,6 +244,7 @@ struct fray_world {
   self_state self;
   yarn_collision_state yarn;
   triangle_collision_state tri;
+  tick_attempt attempt;
   haptic_state haptic;
   uint32_t first_tear;             /* of this tick: canonical spring or vertex; see fray_output */
   vec3 gravity_step;               /* of this substep, Q28 */

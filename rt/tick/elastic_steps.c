@@ -5,6 +5,8 @@
 #include "rt/contact/constraints.h"
 #include "rt/elastic/step_bodies.h"
 #include "rt/membrane/membrane.h"
+#include "rt/self_collision/impact_zone_steps.h"
+#include "rt/self_collision/self_constraints.h"
 #include "rt/tick/tick.h"
 
 void elastic_steps_run(fray_world *w, uint32_t substep) {
@@ -18,6 +20,8 @@ void elastic_steps_run(fray_world *w, uint32_t substep) {
     step_bodies_pull(w, &step);
     edge_limits_solve(w, &step);
     contact_constraints_solve(w, &step);
+    self_constraints_solve(w, &step);
+    impact_zone_steps_solve(w, &step);
     membrane_step_move(w, &view);
     step_bodies_move(w, &step, number);
   }

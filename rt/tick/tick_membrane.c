@@ -7,20 +7,12 @@
 #include "rt/integrate/integrate.h"
 #include "rt/membrane/membrane.h"
 #include "rt/self_collision/self_collision.h"
+#include "rt/self_collision/self_constraints.h"
+#include "rt/tick/rollback.h"
 #include "rt/tick/tick.h"
 
-void tick_membrane(fray_world *w) {
+static void run_substeps(fray_world *w) {
   const uint32_t substeps = (uint32_t)w->params->substeps;
-  FRAY_ASSERT(world_has_membrane(w));
-  membrane_stress_update(w);
-  if (w->params->tearing != 0) membrane_tear_apply(w);
-  if (world_has_blades(w)) blade_cut_apply(w);
-  membrane_gains_update(w);
-  energy_stage(w, w->work.tears != 0 ? FRAY_ENERGY_TEARS : FRAY_ENERGY_MATERIAL);
-  wind_apply(w);
-  energy_wind(w);
-  contact_gather(w);
-  if (world_has_triangle_collision(w)) triangle_collision_begin(w);
   for (uint32_t substep = 0; substep < substeps; ++substep) {
     if (world_has_rigid_meshes(w)) contact_vertices_begin(w);
     bodies_advance(w, substep);
@@ -41,4 +33,34 @@ void tick_membrane(fray_world *w) {
     bodies_update_velocity(w);
     energy_stage(w, FRAY_ENERGY_CONTACT);
   }
+}
+
+/* What self-collision had to put together moves as one from the beginning in the next attempt. */
+static void run_attempts(fray_world *w) {
+  triangle_collision_begin(w);
+  rollback_save(w);
+  self_constraints_find(w);
+  self_constraints_begin(w);
+  run_substeps(w);
+  for (uint32_t attempt = 1; attempt < TICK_ATTEMPTS && w->attempt.begin->joined_new != 0; ++attempt) {
+    rollback_restore(w);
+    self_constraints_begin(w);
+    run_substeps(w);
+  }
+}
+
+void tick_membrane(fray_world *w) {
+  FRAY_ASSERT(world_has_membrane(w));
+  membrane_stress_update(w);
+  if (w->params->tearing != 0) membrane_tear_apply(w);
+  if (world_has_blades(w)) blade_cut_apply(w);
+  membrane_gains_update(w);
+  energy_stage(w, w->work.tears != 0 ? FRAY_ENERGY_TEARS : FRAY_ENERGY_MATERIAL);
+  wind_apply(w);
+  energy_wind(w);
+  contact_gather(w);
+  if (world_has_triangle_collision(w))
+    run_attempts(w);
+  else
+    run_substeps(w);
 }

@@ -3,6 +3,8 @@
  * triangles, and of all sides against all others, in exact arithmetic. Sheets that fall in folds on themselves and
  * on boxes, are torn, are cut, are crumpled at random; the list of what is near each other made anew in every tick
  * or kept, which is the same to the last bit; pools that are too small; momentum; saves on the way. */
+#include <math.h>
+
 #include "tests/lib/test.h"
 
 #include "rt/base/bytes.h"
@@ -160,6 +162,41 @@ static void nothing_passes(void) {
   }
 }
 
+#if FRAY_ENERGY
+/* What meets loses energy: this stage makes no more than a 200th of what is turned over, in whatever tick. */
+static void it_makes_no_energy(void) {
+  /* it falls until the edge of the world stops it */
+  static const char fallen[] =
+      "scene fallen\nrate 240 Hz\nsubsteps 4\n%s\n"
+      "membrane {\n columns 10\n rows 5\n cell 0.7247 0.9113 cm\n pattern irregular 223\n material paper\n weft -50.9 deg\n"
+      " drag 0 /s\n strain_limit 42 %%\n thickness 0.08304 cm\n elastic_steps_max 39\n self_thickness 0.12429 cm\n %s\n}\n";
+  static const struct {
+    const char *name, *text;
+    uint32_t ticks;
+  } cases[] = {{"folded", folded, 400}, {"heap", heap, 1200},      {"boxed", boxed, 600},
+               {"torn", torn, 300},     {"slashed", slashed, 250}, {"fallen", fallen, 400}};
+  for (uint32_t n = 0; n < sizeof cases / sizeof cases[0]; ++n) {
+    fixture_scoped f = {0};
+    uint32_t repeats = 0;
+    open_case(&f, cases[n].text, "limits { contacts 2000 }", "self_collision on");
+    fray_energy_watch(f.w);
+    for (uint32_t tick = 0; tick < cases[n].ticks / TEST_FEWER; ++tick) {
+      const uint32_t steps = (uint32_t)(f.w->membrane.constants->steps * f.w->params->substeps);
+      const uint32_t done = fixture_tick(&f, &fixture_idle).work.particle_steps;
+      repeats += done / (steps * (f.w->p.count - particles_attached(f.w))) - 1;
+    }
+    const fray_energy_account a = fray_energy(f.w);
+    double turned = fabs((double)a.gravity) + (double)a.begun;
+    for (uint32_t k = 0; k < FRAY_ENERGY_SUPPLIES; ++k) turned += fabs((double)a.supplied[k]);
+    const double made = (double)a.made[FRAY_ENERGY_SELF_COLLISION];
+    const double lost = (double)a.lost[FRAY_ENERGY_SELF_COLLISION];
+    printf("figure layers_%s_made %.3g of what is turned over (asked: at most 0.005), lost %.3g; %u repeats in %u ticks\n",
+           cases[n].name, made / turned, lost / turned, repeats, cases[n].ticks / TEST_FEWER);
+    CHECK(made <= 0.005 * turned);
+  }
+}
+#endif
+
 /* Too little room: what was not found moves as one, and that is said. */
 static void pools_of_any_size(void) {
   static const uint32_t sizes[] = {1, 2, 5, 20, 60};
@@ -293,6 +330,9 @@ static void a_minute(void) {
 int main(int argc, char **argv) {
   if (argc > 1 && strcmp(argv[1], "all") == 0) TEST(a_minute);
   TEST(nothing_passes);
+#if FRAY_ENERGY
+  TEST(it_makes_no_energy);
+#endif
   TEST(pools_of_any_size);
   TEST(the_list_is_no_state);
   TEST(momentum_is_kept);

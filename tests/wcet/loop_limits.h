@@ -68,7 +68,7 @@ static inline void loop_limits_print(const char *name, const fray_world *w) {
                             sheet != 0 ? w->capacity[POOL_TRIANGLES] : 0, inner,
                             every != 0 ? (inner + every - 1u) / every : 0,
                             sheet != 0 ? (uint32_t)w->trimesh.params->materials : 0, loop_limits_kind_changes(w),
-                            sheet != 0 && w->membrane.constants->edge_limit != 0, most.contact_constraints};
+                            sheet, most.contact_constraints};
   for (uint32_t m = 0; m < sizeof words / sizeof words[0]; ++m) line_number(&l, words[m]);
   print_line(&l);
 }

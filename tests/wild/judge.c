@@ -37,6 +37,7 @@ typedef struct {
   double turned, begun;       /* energy turned over, and what of it was there, J */
   double rounding;            /* what rounding may have made, J */
   double fastest_body, reach; /* m/s; how far a particle came, m */
+  double loaded;              /* what loads gave the vertex that they move most, m/s */
   double cloth_speed;         /* of waves at the strain of a tear, m/s */
   double mass;                /* of the free cloth, kg */
 } judged;
@@ -220,6 +221,20 @@ static double length_of(const int32_t v[3]) {
   return sqrt((double)v[0] * v[0] + (double)v[1] * v[1] + (double)v[2] * v[2]);
 }
 
+/* Behind a tick: by loads on a vertex as heavy as it is now. */
+static double load_speed(const judged *j) {
+  const fray_world *w = j->watched.w;
+  const double units = 0x1p-22 * energy_table_speed(&j->watched.facts);
+  double most = 0;
+  if (!world_has_membrane(w)) return 0;
+  for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
+    const elastic_impulse *load = &w->membrane.external_impulse[p];
+    const int32_t impulse[3] = {load->x, load->y, load->z};
+    most = fmax(most, length_of(impulse) * w->membrane.inverse_mass[p]);
+  }
+  return most * units * w->membrane.constants->steps * w->params->substeps;
+}
+
 static double allowed_speed(judged *j, uint32_t tick) {
   const fray_info *f = &j->watched.facts;
   const fray_world *w = j->watched.w;
@@ -231,7 +246,8 @@ static double allowed_speed(judged *j, uint32_t tick) {
   const double g = length_of(f->gravity) * speed * f->rate_hz * f->substeps;
   const double fall = fmin(g * (tick + 1.0) / f->rate_hz, sqrt(2 * g * 2 * j->reach));
   const double wind = world_has_membrane(w) ? length_of(w->membrane.constants->wind) * speed : 0;
-  return 2 * (j->fastest_body + wind + fall + j->cloth_speed);
+  j->loaded += load_speed(j);
+  return 2 * (j->fastest_body + wind + fall + j->loaded + j->cloth_speed);
 }
 
 static void judge_speed(judged *j, uint32_t tick, uint32_t faults, judge_result *r) {

@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Self-contact at the velocity, in each elastic step, as contact with bodies is
+ * (contact/constraint_solve.c): two features that would come nearer than the thickness get opposite
+ * impulses along their normal. That takes energy and keeps momentum, and cloth that lies on cloth
+ * rests. Found once a tick, by the velocities with which it begins, and nothing of it is state:
+ * what is missed is for triangle_collision_solve(). */
+#include "rt/self_collision/self_constraints.h"
+
+#include "rt/self_collision/self_collision.h"
+#include "rt/self_collision/triangle_collision.h"
+
+enum { WEIGHT_BITS = 15 };
+
+/* ---- found ---- */
+
+/* Q24 of 1 / particle mass. Bodies that hold vertices count as immovable: a free one weighs eight
+ * times what it holds, at least. */
+static uint64_t inverse_mass_of(const fray_world *w, const uint32_t p[4], const int32_t weight[4]) {
+  uint64_t k = 0;
+  for (uint32_t n = 0; n < 4; ++n)
+    if (!particle_is_attached(w, p[n]))
+      k += (fx_square(weight[n]) >> 6) * (uint32_t)w->membrane.inverse_mass[p[n]] >> 24;
+  return k;
+}
+
+void self_constraint_add(fray_world *w, const uint32_t p[4], const int32_t weight[4], vec3 normal,
+                         int64_t gap) {
+  const uint64_t k = inverse_mass_of(w, p, weight);
+  if (k == 0 || w->attempt.begin->constraints == SELF_CONSTRAINTS * w->capacity[POOL_PARTICLES])
+    return;
+  self_constraint *c = &w->tri.constraints[w->attempt.begin->constraints++];
+  for (uint32_t n = 0; n < 4; ++n) {
+    c->p[n] = (index_t)p[n];
+    c->weight[n] = weight[n];
+  }
+  c->normal = normal;
+  c->gap_begin = fx_saturate(gap * (1 << FX_SUB_BITS));
+  c->mass = step_mass_of(k);
+}
+
+static vec3 velocity_of(const fray_world *w, uint32_t p) {
+  return particle_is_attached(w, p) ? vec_of(w->rigid.states[w->p.attach_body[p]].velocity)
+                                    : world_velocity(w, p);
+}
+
+/* To where everything would be at the end of the tick. */
+static void move_ahead(fray_world *w) {
+  for (uint32_t p = 0; p < w->p.count; ++p) {
+    const vec3 moved = vec_clamp(vec_round(velocity_of(w, p), FX_SUB_BITS), FX_WORLD_MAX / 256);
+    const vec3 end =
+        vec_add_clamped(world_position(w, p), vec_mul(moved, w->params->substeps), FX_EDGE_MAX);
+    w->p.x[p] = end.x;
+    w->p.y[p] = end.y;
+    w->p.z[p] = end.z;
+  }
+}
+
+void self_constraints_find(fray_world *w) {
+  const int32_t faults = w->state->faults;
+  FRAY_ASSERT(world_has_triangle_collision(w));
+  w->attempt.begin->constraints = 0;
+  move_ahead(w);
+  impact_zones_begin(w);
+  if (triangle_collision_find(w))
+    for (uint32_t n = 0; n < w->tri.list->active; ++n)
+      triangle_collision_constrain(w, &w->tri.pairs[w->tri.active[n]]);
+  triangle_collision_rewind(w);
+  w->state->faults = faults; /* what has no room here is found again behind the steps */
+}
+
+/* ---- solved ---- */
+
+void self_constraints_begin(fray_world *w) {
+  FRAY_ASSERT(w->attempt.begin->constraints <= SELF_CONSTRAINTS * w->capacity[POOL_PARTICLES]);
+  for (uint32_t n = 0; n < w->attempt.begin->constraints; ++n) {
+    w->tri.constraints[n].gap = w->tri.constraints[n].gap_begin;
+    w->tri.constraints[n].low = 0;
+  }
+}
+
+static vec3 relative_velocity(const fray_world *w, const self_constraint *c,
+                              const elastic_step *step) {
+  vec64 sum = {0, 0, 0};
+  for (uint32_t n = 0; n < 4; ++n)
+    if (c->weight[n] != 0)
+      sum = vec_add64(sum, vec_scale64(step_velocity(w, c->p[n], step), c->weight[n]));
+  return vec_round_saturated(sum, WEIGHT_BITS);
+}
+
+static void push_apart(fray_world *w, const self_constraint *c, vec3 change) {
+  const vec64 whole = step_impulse_of(c->mass, change);
+  for (uint32_t n = 0; n < 4; ++n) {
+    const vec64 share = {fx_round64(whole.x * c->weight[n], WEIGHT_BITS),
+                         fx_round64(whole.y * c->weight[n], WEIGHT_BITS),
+                         fx_round64(whole.z * c->weight[n], WEIGHT_BITS)};
+    if (c->weight[n] != 0) (void)step_push(w, c->p[n], share);
+  }
+}
+
+static void solve_constraint(fray_world *w, self_constraint *c, const elastic_step *step) {
+  const vec3 velocity = relative_velocity(w, c, step);
+  const int32_t least = step_speed_min(c->gap, w->membrane.constants->steps, step->rise);
+  const int32_t along = vec_dot_unit(velocity, c->normal);
+  if (along < least) {
+    const vec3 change = vec_scale_unit(c->normal, fx_saturate((int64_t)least - along));
+    if (step_is_metered(w))
+      step_book(w, FRAY_ENERGY_SELF_COLLISION, c->mass, change, relative_velocity(w, c, NULL),
+                vec_add_clamped(velocity, change, INT32_MAX));
+    push_apart(w, c, change);
+  }
+  const int64_t way = fx_mul_wide(fx_max(along, least), step->part) + c->low;
+  c->low = (int32_t)(way & INT32_MAX);
+  c->gap = fx_saturate(c->gap + fx_asr64(way, ELASTIC_LOW_BITS));
+}
+
+void self_constraints_solve(fray_world *w, const elastic_step *step) {
+  if (!world_has_triangle_collision(w)) return;
+  self_constraint *c = w->tri.constraints;
+  FRAY_ASSERT(w->attempt.begin->constraints <= SELF_CONSTRAINTS * w->capacity[POOL_PARTICLES]);
+  for (uint32_t n = 0; n < w->attempt.begin->constraints; ++n) solve_constraint(w, &c[n], step);
+  w->work.contact_constraints += w->attempt.begin->constraints;
+}
