@@ -48,7 +48,9 @@ all: command ## build the `fray` command
 
 # What targets below need is compiled by a make of its own, JOBS files at a time unless this one was given a -j.
 # Each of these targets has the one before, so that two goals never make one file at a time.
-JOBS ?= $(shell nproc 2>/dev/null || echo 2)
+ifndef JOBS
+JOBS := $(shell nproc 2>/dev/null || echo 2)
+endif
 export JOBS
 SUBMAKE = @+$(MAKE) --no-print-directory $(if $(filter -j% --jobserver%,$(MAKEFLAGS)),,-j$(JOBS))
 .PHONY: library command helpers programs

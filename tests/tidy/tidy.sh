@@ -10,6 +10,12 @@ work=$(cd "$FRAY_BUILD/tidy" && pwd)
 . "$tidy/rules.sh"
 . "$tidy/examples.sh"
 
+for rule in ${RULES:-}; do
+  case " $(echo $rules) " in
+    *" $rule "*) ;;
+    *) echo "tidy: found RULES=$rule, expected of: $(echo $rules)" >&2; exit 2 ;;
+  esac
+done
 try_rules
 for rule in ${RULES:-$rules}; do
   rule_"$rule" >"$work/$rule"
