@@ -13,12 +13,13 @@ void impact_zones_begin(fray_world *w);
 /* The root of a particle's zone. */
 uint32_t impact_zones_of(fray_world *w, uint32_t particle);
 void impact_zones_join(fray_world *w, uint32_t p, uint32_t q);
-/* A tick of a membrane may be done again with the zones that an earlier attempt has found: */
-/* none, before the first; */
+/* A tick of a membrane may be done again with the zones that it has found. Before its first attempt
+ * there are none. */
 void impact_zones_forget(fray_world *w);
-/* those of now are added, with bodies that vertices are pinned to (joined_new: some are new); */
+/* Adds the zones of now, and the bodies that vertices are pinned to, to those for the next attempt;
+ * joined_new: some are new. */
 void impact_zones_keep(fray_world *w);
-/* the root of a particle's zone among them. */
+/* The root of a particle's zone among those of earlier attempts. */
 uint32_t impact_zones_joined(fray_world *w, uint32_t particle);
 /* Moves every zone by its members' mean path; a zone with an attached or pinned member moves as that one
  * does. Positions only: velocities do not change. Cost: linear in the particles. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The elastic steps of a membrane in a substep: forces, then constraints at the velocity, then
- * motion, of vertices and bodies alike. What acts within a step knows of all that acts in it, so
- * nothing here makes energy. */
+ * motion, of vertices and bodies alike. What acts within a step sees all that acts in it, and takes
+ * energy. The guard behind the loop moves positions, and is rare. */
 #include "rt/contact/constraints.h"
 #include "rt/elastic/step_bodies.h"
 #include "rt/membrane/membrane.h"
