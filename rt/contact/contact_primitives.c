@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Cloth particles against spheres, capsules, boxes and planes (Metaaphanon 2009, section 4.2, first
+/* Particles of woven cloth against spheres, capsules, boxes and planes (Metaaphanon 2009, section 4.2, first
  * half).
  *
  *   contact_gather()            once a tick: the particles that may reach a body before the tick ends, by
@@ -14,7 +14,6 @@
 #include "rt/simd/simd.h"
 #include "rt/state/crossing.h"
 #include "rt/state/rigid_mesh.h"
-#include "rt/state/vertex_mass.h"
 
 /* ---- broad phase ---- */
 
@@ -127,19 +126,17 @@ typedef struct {
   uint64_t apart; /* see shape_apart_squared() */
   int32_t skin;
   int faces_up;   /* a plane with the normal (0, 1, 0) */
-  const vertex_mass_scale *scale;
 } contact_body;
 
 static inline int is_ground(const contact_body *e) { return !FX_NARROW && e->faces_up; }
 
-static void begin_body(const fray_world *w, uint32_t b, const vertex_mass_scale *scale, contact_body *e) {
+static void begin_body(const fray_world *w, uint32_t b, contact_body *e) {
   const rigid_body *s = &w->rigid.bodies[b];
   FRAY_ASSERT(b < w->capacity[POOL_BODIES]);
   e->shape = s;
   e->at = vec_of(w->rigid.states[b].position);
   e->moved = w->rigid.motion[b].moved;
   e->skin = w->params->thickness;
-  e->scale = scale;
   e->apart = FX_NARROW ? 0 : shape_apart_squared(s, e->skin);
   e->faces_up = !FX_NARROW && shape_faces_up(s);
 }
@@ -153,13 +150,10 @@ static inline vec3 moved_of(const fray_world *w, const contact_body *e, uint32_t
   return vec_wrap_sub(vec_wrap_add(vec_wrap_add(step, since), out), e->moved);
 }
 
-static inline void add_impulse(fray_world *w, const contact_body *e, const contact *c, vec3 push) {
+static inline void add_impulse(fray_world *w, const contact *c, vec3 push) {
   FRAY_ASSERT(c->body < w->capacity[POOL_BODIES]);
-  body_motion *motion = &w->rigid.motion[c->body];
-  if (e->scale->per_mass != 0)
-    body_add_impulse(motion, vertex_mass_impulse(vertex_mass_at(e->scale, c->particle), push, FX_SUB_BITS));
-  else
-    body_add_impulse(motion, vec_scale64(push, particle_half_masses(w, c->particle) << (FX_SUB_BITS - 1)));
+  body_add_impulse(&w->rigid.motion[c->body],
+                   vec_scale64(push, particle_half_masses(w, c->particle) << (FX_SUB_BITS - 1)));
 }
 
 /* Pushes a particle at d from the body out, with friction. Products with (0, 1, 0) are exact: on the
@@ -184,7 +178,7 @@ __attribute__((always_inline)) static inline void push_out(fray_world *w, const 
 
   const vec3 push = vec_make(move_within(w, &w->p.x[p], wanted.x), move_within(w, &w->p.y[p], wanted.y),
                              move_within(w, &w->p.z[p], wanted.z));
-  add_impulse(w, e, c, push);
+  add_impulse(w, c, push);
 }
 
 /* Contacts with the ground in a kernel, as many as it takes from the front. */
@@ -212,12 +206,11 @@ static inline void solve_contact(fray_world *w, const contact_body *e, contact *
 }
 
 /* Contacts of body b, from `first` on; returns where they end. */
-static inline uint32_t solve_body(fray_world *w, const vertex_mass_scale *scale, uint32_t b, uint32_t first,
-                                  uint32_t end) {
+static inline uint32_t solve_body(fray_world *w, uint32_t b, uint32_t first, uint32_t end) {
   contact_body e;
   uint32_t n = first;
-  begin_body(w, b, scale, &e);
-  if (is_ground(&e) && w->kernel != FRAY_KERNEL_SCALAR && !world_has_membrane(w)) {
+  begin_body(w, b, &e);
+  if (is_ground(&e) && w->kernel != FRAY_KERNEL_SCALAR) {
     uint32_t last = first;
     while (last < end && w->contact.list[last].body == b) ++last;
     n += solve_ground(w, &e, b, first, last);
@@ -228,15 +221,14 @@ static inline uint32_t solve_body(fray_world *w, const vertex_mass_scale *scale,
 
 void contact_primitives_range(fray_world *w, uint32_t first, uint32_t end) {
   FRAY_ASSERT(first <= end && end <= w->contact.count && w->contact.count <= w->capacity[POOL_CONTACTS]);
-  const vertex_mass_scale scale = vertex_mass_scale_of(w);
   if (FX_NARROW) {
     for (uint32_t n = first; n < end; ++n) {
       contact_body e;
-      begin_body(w, w->contact.list[n].body, &scale, &e);
+      begin_body(w, w->contact.list[n].body, &e);
       solve_contact(w, &e, &w->contact.list[n]);
     }
   } else {
-    for (uint32_t n = first; n < end;) n = solve_body(w, &scale, w->contact.list[n].body, n, end);
+    for (uint32_t n = first; n < end;) n = solve_body(w, w->contact.list[n].body, n, end);
   }
   w->work.contacts += end - first;
 }

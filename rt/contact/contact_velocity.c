@@ -4,11 +4,10 @@
 #include "rt/contact/contact.h"
 
 #include "rt/state/crossing.h"
-#include "rt/state/vertex_mass.h"
 
 /* Removes the speed away from the body. A particle of half mass loses an even speed, so that the
  * momentum, in whole particles, is a whole number too. */
-static void stop_separation(fray_world *w, const contact *c, const vertex_mass_scale *scale) {
+static void stop_separation(fray_world *w, const contact *c) {
   const uint32_t p = c->particle;
   const vec3 velocity = world_velocity(w, p);
   const vec3 away = vec_sub_saturated(velocity, vec_of(w->rigid.states[c->body].velocity));
@@ -17,36 +16,30 @@ static void stop_separation(fray_world *w, const contact *c, const vertex_mass_s
   const int32_t inverse_mass = particle_inverse_mass(w, p);
   const vec3 lost = vec_scale_unit(c->normal, speed / inverse_mass);
   world_set_velocity(w, p, vec_sub_clamped(velocity, vec_mul(lost, inverse_mass), FX_SPEED_MAX));
-  if (scale->per_mass != 0)
-    body_add_impulse(&w->rigid.motion[c->body],
-                     vertex_mass_impulse(vertex_mass_at(scale, p), vec_negated(lost), 0));
-  else
-    body_take_impulse(&w->rigid.motion[c->body], lost);
+  body_take_impulse(&w->rigid.motion[c->body], lost);
 }
 
 /* The same where the normal is (0, 1, 0). */
-static void stop_separation_ground(fray_world *w, const contact *c, const vertex_mass_scale *scale) {
+static void stop_separation_ground(fray_world *w, const contact *c) {
   const uint32_t p = c->particle;
   const int32_t speed = fx_saturate((int64_t)w->p.vy[p] - w->rigid.states[c->body].velocity[1]);
   if (speed <= 0) return;
   const int32_t inverse_mass = particle_inverse_mass(w, p);
   const int32_t lost = speed / inverse_mass;
   w->p.vy[p] = fx_clamp_wide((int64_t)w->p.vy[p] - lost * inverse_mass, FX_SPEED_MAX);
-  const int64_t impulse = scale->per_mass != 0 ? vertex_mass_times(vertex_mass_at(scale, p), lost, 0) : lost;
-  const vec64 down = {0, -impulse, 0};
+  const vec64 down = {0, -(int64_t)lost, 0};
   body_add_impulse(&w->rigid.motion[c->body], down);
 }
 
 void contact_update_velocity_range(fray_world *w, uint32_t first, uint32_t end) {
   FRAY_ASSERT(first <= end && end <= w->contact.count);
-  const vertex_mass_scale scale = vertex_mass_scale_of(w);
   for (uint32_t n = first; n < end; ++n) {
     const contact *c = &w->contact.list[n];
     FRAY_ASSERT(c->particle < w->p.count && c->body < w->capacity[POOL_BODIES]);
     if (!FX_NARROW && c->touching == CONTACT_GROUND)
-      stop_separation_ground(w, c, &scale);
+      stop_separation_ground(w, c);
     else if (c->touching != CONTACT_APART)
-      stop_separation(w, c, &scale);
+      stop_separation(w, c);
   }
 }
 
