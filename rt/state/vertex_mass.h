@@ -8,17 +8,17 @@
 
 enum { VERTEX_MASS_BITS = 16, VERTEX_MASS_PER_BITS = 46 };
 
-/* per_mass: Q46 of 1 / unit. */
+/* per_mass: Q46 of 1 / unit; 0: all particles weigh the same. */
 typedef struct {
   const uint32_t *mass;
   uint32_t per_mass;
 } vertex_mass_scale;
 
 static inline vertex_mass_scale vertex_mass_scale_of(const fray_world *w) {
-  FRAY_ASSERT(world_has_membrane(w));
+  const int uniform = !world_has_membrane(w);
   const uint64_t one = (uint64_t)1 << VERTEX_MASS_PER_BITS;
-  const vertex_mass_scale h = {w->trimesh.mass,
-                               fx_divide_wide(one, (uint32_t)w->membrane.constants->mass_unit)};
+  const vertex_mass_scale h = {uniform ? 0 : w->trimesh.mass,
+                               uniform ? 0 : fx_divide_wide(one, (uint32_t)w->membrane.constants->mass_unit)};
   return h;
 }
 
