@@ -158,14 +158,16 @@ static void find_meshes(fray_world *w) {
 
 /* ---- the edge of the world ---- */
 
+/* Vertices are stopped LU / 16 before the edge, and looked after from half a lu on: one at rest may be
+ * driven there by what still comes. */
 static void find_edge(fray_world *w, uint32_t p, uint32_t axis, int32_t at, int32_t speed) {
   const int64_t end = (int64_t)at + fx_asr(speed, FX_SUB_BITS - 1);
-  const int64_t edge = FX_WORLD_MAX - room_of(w);
-  if (end > -edge && end < edge) return;
+  const int64_t edge = FX_WORLD_MAX - FX_LU / 2;
+  if ((at > -edge && at < edge) && (end > -edge && end < edge)) return;
   int32_t inward[3] = {0, 0, 0};
-  inward[axis] = end < 0 ? 1 << 30 : -(1 << 30);
+  inward[axis] = at < 0 ? 1 << 30 : -(1 << 30);
   contact_constraint_add_vertex(w, CONSTRAINT_WORLD, CONSTRAINT_FLAT, p, vec_of(inward),
-                                (int64_t)FX_WORLD_MAX - FX_LU / 16 + (end < 0 ? at : -at));
+                                (int64_t)FX_WORLD_MAX - FX_LU / 16 + (at < 0 ? at : -at));
 }
 
 static void find_edges(fray_world *w) {

@@ -35,17 +35,8 @@ static uint32_t stiffest_mode(const int32_t c[MATERIAL_ENTRIES]) {
   return both > shear ? both : shear;
 }
 
-static int can_tear(const tear_strength *k) {
-  int32_t all = 0;
-  for (uint32_t n = 0; n < TEAR_STRENGTH_DIRECTIONS; ++n) all |= k->strength[n];
-  return all != 0;
-}
-
-/* w^2 h^2 at rest is mode norm2 over what a corner weighs, its area / mass_unit, and the steps. Cloth that
- * neither tears nor has a limit may hold any load: it keeps c G. */
+/* w^2 h^2 at rest is mode norm2 over what a corner weighs, its area / mass_unit, and the steps. */
 static int32_t threshold_of(const fray_world *w, uint32_t t, const int32_t c[MATERIAL_ENTRIES]) {
-  const tear_strength *strength = &w->membrane.tear_strengths[w->trimesh.material[t]];
-  if (w->membrane.constants->edge_limit == 0 && !can_tear(strength)) return STRAIN_LAW_NEVER;
   const trimesh_gram gram = trimesh_gram_of(&w->trimesh.weights[t]);
   const uint64_t slope = fx_mul_wide_u(stiffest_mode(c), trimesh_norm2(&gram)) >> 22; /* Q20 */
   const uint32_t weighs =
