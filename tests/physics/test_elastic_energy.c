@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Elastic steps make no energy: what they made since tick 0, less what they lost, beside what is turned over. */
+#include <math.h>
+
+#include "tests/lib/test.h"
+#include "tests/lib/world_fixture.h"
+
+#if FRAY_ENERGY
+/* It falls edge-on until the edge of the world stops it: a row of vertices rests there, and the next ones come. */
+static const char at_the_edge[] =
+    "scene edge\nwind 1.1 -4.1 1.1 m/s\n"
+    "membrane {\n columns 6\n rows 6\n cell 0.9637 cm\n material denim\n wind_drag 0.29\n}\n";
+/* Neither tears nor a limit, drawn to almost twice its length in a tenth of a second. */
+static const char drawn[] =
+    "scene drawn\nmembrane {\n columns 8\n rows 12\n cell 1 cm\n material swimsuit\n}\npin row top\n"
+    "box weight { size 8 0.4 0.4 cm at 0 -6 0 cm attach_within 0.1 cm\n"
+    " move path { 0 s 0 -6 0 cm  0.1 s 0 -16 0 cm  0.2 s 0 -10 0 cm  0.3 s 0 -16 0 cm } }\n";
+
+static void steps_make_none(void) {
+  static const struct {
+    const char *name, *text;
+    uint32_t ticks;
+  } cases[] = {{"edge", at_the_edge, 800}, {"drawn", drawn, 600}};
+  for (uint32_t n = 0; n < sizeof cases / sizeof cases[0]; ++n) {
+    fixture_scoped f = {0};
+    double turned = 0;
+    double made = 0;
+    fixture_text(&f, cases[n].text);
+    fray_energy_watch(f.w);
+    for (uint32_t tick = 0; tick < cases[n].ticks; ++tick) {
+      (void)fixture_tick(&f, &fixture_idle);
+      const fray_energy_account a = fray_energy(f.w);
+      double supplied = fabs((double)a.gravity) + (double)a.begun;
+      for (uint32_t k = 0; k < FRAY_ENERGY_SUPPLIES; ++k) supplied += fabs((double)a.supplied[k]);
+      turned = fmax(turned, supplied);
+      made = fmax(made, (double)a.made[FRAY_ENERGY_STEPS] - (double)a.lost[FRAY_ENERGY_STEPS]);
+    }
+    printf("figure steps_%s_made %.3g of what is turned over (asked: at most 0.01), faults 0x%02X\n", cases[n].name,
+           made / turned, (unsigned)f.w->state->faults);
+    CHECK(made <= 0.01 * turned);
+  }
+}
+#endif
+
+int main(void) {
+#if FRAY_ENERGY
+  TEST(steps_make_none);
+#endif
+  return test_end();
+}
