@@ -79,13 +79,27 @@ static int counts_fit(const fray_world *w, fray_error *error) {
   return 1;
 }
 
-static int link_follows(const link_class *c) {
-  const link_class expected = link_class_make(c->rest, c->push);
-  return c->r2 == expected.r2 && c->n_max == expected.n_max && c->inverse == expected.inverse;
+static int link_is(const link_class *c, link_class expected) {
+  return c->rest == expected.rest && c->push == expected.push && c->r2 == expected.r2 &&
+         c->n_max == expected.n_max && c->inverse == expected.inverse;
+}
+
+static int link_follows(const link_class *c) { return link_is(c, link_class_make(c->rest, c->push)); }
+
+static int lock_good(const fray_world *w, fray_error *error) {
+  const link_class *const lock = &w->woven.link_classes[CLASS_LOCK];
+  const int fits = w->capacity[POOL_LINK_CLASSES] == CLASSES_WITH_LOCK &&
+                   w->capacity[POOL_BEND_SHEAR_CLASSES] <= CLASS_SHEAR_HALF + 1;
+  if (!fits || world_has_membrane(w) || world_has_elastic_yarns(w))
+    return image_bad(error, IN_LINKS, CLASS_LOCK, "two classes of a shear lock, not of elastic yarns");
+  return (lock->rest >= LOCK_UNITS_MIN << LINK_SHIFT && lock->rest <= LINK_UNITS_MAX << LINK_SHIFT &&
+          link_is(&lock[0], link_class_of_lock(lock->rest)) && link_is(&lock[1], lock[0])) ||
+         image_bad(error, IN_LINKS, CLASS_LOCK, "a diagonal of 128 to 8191 direction units, twice");
 }
 
 static int link_classes_good(const fray_world *w, fray_error *error) {
-  for (uint32_t n = 1; n < w->capacity[POOL_LINK_CLASSES]; ++n) {
+  const uint32_t classes = w->capacity[POOL_LINK_CLASSES];
+  for (uint32_t n = 1; n < classes && n < CLASS_LOCK; ++n) {
     const link_class *c = &w->woven.link_classes[n];
     if (c->rest < LINK_UNITS_MIN << LINK_SHIFT || c->rest > LINK_UNITS_MAX << LINK_SHIFT)
       return image_bad(error, IN_LINKS, n, "a rest length of 1024 to 8191 direction units");
@@ -94,7 +108,7 @@ static int link_classes_good(const fray_world *w, fray_error *error) {
     if (!link_follows(c))
       return image_bad(error, IN_LINKS, n, "constants that follow from the rest length");
   }
-  return 1;
+  return !world_has_shear_lock(w) || lock_good(w, error);
 }
 
 static int spring_classes_good(const fray_world *w, fray_error *error) {
@@ -310,9 +324,9 @@ static int ids_good(const fray_world *w, fray_error *error) {
   const uint32_t particles = w->p.count;
   const uint32_t rows = w->capacity[POOL_SPRINGS];
   const uint32_t links = (uint32_t)w->params->links;
+  const uint32_t link_classes = world_has_shear_lock(w) ? CLASS_LOCK : w->capacity[POOL_LINK_CLASSES];
   for (uint32_t row = 0; row < rows; ++row) {
-    const uint32_t classes =
-        row < links ? w->capacity[POOL_LINK_CLASSES] : w->capacity[POOL_BEND_SHEAR_CLASSES];
+    const uint32_t classes = row < links ? link_classes : w->capacity[POOL_BEND_SHEAR_CLASSES];
     if (w->woven.spring_i[row] >= particles || w->woven.spring_j[row] >= particles ||
         w->woven.spring_i[row] == w->woven.spring_j[row])
       return image_bad(error, IN_ROW_I, row, "two different particles in use");

@@ -108,7 +108,10 @@ static void add_woven(const fray_world *w, fray_work *most) {
   const uint32_t links = active_springs(w, 0, link_batches);
   const uint32_t spares = world_has_yarns(w) ? w->capacity[POOL_PARTICLES] - (uint32_t)p->particles : 0;
   most->particle_steps = ((uint32_t)(p->particles - p->attached) + spares) * substeps;
-  most->projections = links * (uint32_t)p->iterations * substeps;
+  const uint32_t locked =
+      world_has_shear_lock(w)
+          ? active_springs(w, link_batches + (uint32_t)p->bend_batches, w->capacity[POOL_BATCHES]) : 0;
+  most->projections = (links + locked) * (uint32_t)p->iterations * substeps;
   most->springs = active_springs(w, link_batches, w->capacity[POOL_BATCHES]);
   most->slips = spares * substeps;
   if (world_has_elastic_yarns(w)) {

@@ -81,8 +81,8 @@ void membrane_gains_update(fray_world *w) {
     const int32_t gain = fx_mul_round(area, w->membrane.constants->force_gain, 30);
     for (uint32_t n = 0; n < MATERIAL_ENTRIES; ++n)
       c[n] = fx_mul_saturated(c[n], gain, shift);
-    w->membrane.strain_threshold[t] =
-        is_loaded && !can_tear(&w->membrane.tear_strengths[s->material[t]]) ? STRAIN_LAW_NEVER : threshold_of(w, t, c);
+    const int keeps_law = is_loaded && !can_tear(&w->membrane.tear_strengths[s->material[t]]);
+    w->membrane.strain_threshold[t] = keeps_law ? STRAIN_LAW_NEVER : threshold_of(w, t, c);
   }
   bend_prepare(w);
 }

@@ -33,6 +33,7 @@ typedef struct {
   const uint8_t *kind;       /* one for each spring: class and SPRING_ bits, SPRING_DEAD for none */
   const link_class *classes;
   uint32_t class_count; /* of classes that may be read as a table; 0: unknown */
+  int is_lock;          /* diagonals of a shear lock, of link_class_of_lock(): long enough, they stay */
 } link_view;
 
 /* One component of d, in units of 2^LINK_SHIFT, in 16 bits. */
@@ -52,6 +53,11 @@ static inline uint32_t link_squared(vec3 d, vec3 hi) {
   const int32_t cross = fx_wrap_sub(along, fx_wrap_shift((int32_t)n, LINK_SHIFT));
   return (uint32_t)fx_wrap_add((int32_t)n, fx_asr(cross, LINK_SHIFT - 1));
 }
+
+/* A diagonal is longer than its lock R where |dx| + |dy| + |dz| is root 3 of R: here 7/4, in units of
+ * 2^LOCK_FAR_SHIFT position steps, so that sums of three fit. */
+enum { LOCK_FAR_SHIFT = 2 };
+static inline int32_t lock_far(const link_class *lock) { return fx_asr(7 * lock->rest, 2 + LOCK_FAR_SHIFT); }
 
 /* d from i to j. */
 static inline vec3 link_vec(const link_view *s, uint32_t i, uint32_t j) {

@@ -22,6 +22,7 @@ typedef enum {
 } strain_limit_lanes_name;
 typedef struct {
   link_view at;
+  int32_t far;   /* lock_far() of diagonals */
   int has_table; /* whether the table holds all classes */
   int32_t table[STRAIN_LIMIT_LANES_WORDS][LANES_TABLE_WORDS];
 } strain_limit_lanes_view;
@@ -86,6 +87,19 @@ LANES_INLINE lanes strain_limit_lanes_two_thirds(const spring_lanes *p, lanes f)
   return p->one_class ? part : lanes_select(spring_lanes_with(p, SPRING_HALF_MASS), part, f);
 }
 
+LANES_INLINE lanes strain_limit_lanes_size(lanes d) {
+  const lanes v = lanes_asr(d, LOCK_FAR_SHIFT);
+  return lanes_max(v, lanes_sub(lanes_set(0), v));
+}
+
+/* 1 iff all are diagonals, far longer than their lock. */
+LANES_INLINE int strain_limit_lanes_far(const strain_limit_lanes_view *v, const lanes d[3]) {
+  if (!v->at.is_lock) return 0;
+  const lanes sum = lanes_add(lanes_add(strain_limit_lanes_size(d[0]), strain_limit_lanes_size(d[1])),
+                              strain_limit_lanes_size(d[2]));
+  return mask_bits(lanes_negative(lanes_sub(sum, lanes_set(v->far)))) == 0;
+}
+
 LANES_INLINE void strain_limit_lanes_pairs(const void *view, const spring_lanes *p) {
   const strain_limit_lanes_view *v = (const strain_limit_lanes_view *)view;
   const link_view *s = &v->at;
@@ -96,6 +110,7 @@ LANES_INLINE void strain_limit_lanes_pairs(const void *view, const spring_lanes 
   const lanes j[3] = {spring_lanes_load_j(p, s->x), spring_lanes_load_j(p, s->y),
                       spring_lanes_load_j(p, s->z)};
   const lanes d[3] = {lanes_sub(j[0], i[0]), lanes_sub(j[1], i[1]), lanes_sub(j[2], i[2])};
+  if (strain_limit_lanes_far(v, d)) return;
   const lanes hi[3] = {strain_limit_lanes_coarse(d[0], k), strain_limit_lanes_coarse(d[1], k),
                        strain_limit_lanes_coarse(d[2], k)};
   const lanes n = strain_limit_lanes_squared(
@@ -114,42 +129,65 @@ LANES_INLINE void strain_limit_lanes_pairs(const void *view, const spring_lanes 
 }
 
 #ifdef LANES_GROUPS
-LANES_INLINE void strain_limit_lanes_each(const strain_limit_lanes_view *v, const spring_groups *m,
-                                          uint32_t count) {
+LANES_INLINE void strain_limit_lanes_way(const link_view *s, uint32_t i, uint32_t j, lanes d[3]) {
+  int32_t *const at[3] = {s->x, s->y, s->z};
+  LANES_UNROLL_3
+  for (int a = 0; a < 3; ++a) d[a] = lanes_sub(lanes_load(at[a] + j), lanes_load(at[a] + i));
+}
+
+/* `count` groups: `one` is common to all, i and j are their first particles. */
+LANES_INLINE void strain_limit_lanes_each(const strain_limit_lanes_view *v, const spring_lanes *one,
+                                          const index_t *first_i, const index_t *first_j, uint32_t count) {
   const link_view *s = &v->at;
   const link_words *k = &simd_link_words;
   int32_t *const at[3] = {s->x, s->y, s->z};
-  const lanes n_max = spring_lanes_class(&m->one, &s->classes->n_max, LINK_CLASS_WORDS);
+  const lanes n_max = spring_lanes_class(one, &s->classes->n_max, LINK_CLASS_WORDS);
   lanes hi[LANES_GROUPS][3];
   lanes f[LANES_GROUPS];
   for (uint32_t g = 0; g < count; ++g) {
     lanes d[3];
+    strain_limit_lanes_way(s, first_i[g], first_j[g], d);
     LANES_UNROLL_3
-    for (int a = 0; a < 3; ++a) {
-      d[a] = lanes_sub(lanes_load(at[a] + m->j[g]), lanes_load(at[a] + m->i[g]));
-      hi[g][a] = strain_limit_lanes_coarse(d[a], k);
-    }
+    for (int a = 0; a < 3; ++a) hi[g][a] = strain_limit_lanes_coarse(d[a], k);
     f[g] = strain_limit_lanes_squared(d, hi[g], n_max);
   }
-  for (uint32_t g = 0; g < count; ++g) f[g] = strain_limit_lanes_factor(v, f[g], &m->one, k);
+  for (uint32_t g = 0; g < count; ++g) f[g] = strain_limit_lanes_factor(v, f[g], one, k);
   for (uint32_t g = 0; g < count; ++g) {
     LANES_UNROLL_3
     for (int a = 0; a < 3; ++a) {
       const lanes c = strain_limit_lanes_step(hi[g][a], f[g], k);
-      int32_t *i = at[a] + m->i[g];
-      int32_t *j = at[a] + m->j[g];
+      int32_t *i = at[a] + first_i[g];
+      int32_t *j = at[a] + first_j[g];
       lanes_store(i, lanes_add(lanes_load(i), c));
       lanes_store(j, lanes_sub(lanes_load(j), c));
     }
   }
 }
 
+/* Those of diagonals that may be too short. */
+LANES_INLINE void strain_limit_lanes_short(const strain_limit_lanes_view *v, const spring_groups *m) {
+  index_t i[LANES_GROUPS];
+  index_t j[LANES_GROUPS];
+  uint32_t count = 0;
+  for (uint32_t g = 0; g < m->count; ++g) {
+    lanes d[3];
+    strain_limit_lanes_way(&v->at, m->i[g], m->j[g], d);
+    i[count] = m->i[g];
+    j[count] = m->j[g];
+    count += strain_limit_lanes_far(v, d) ? 0u : 1u;
+  }
+  strain_limit_lanes_each(v, &m->one, i, j, count);
+}
+
 /* Nearly all are full: compilers unroll the constant count. */
 LANES_INLINE void strain_limit_lanes_groups(const void *view, const spring_groups *m) {
-  if (m->count == LANES_GROUPS)
-    strain_limit_lanes_each((const strain_limit_lanes_view *)view, m, LANES_GROUPS);
+  const strain_limit_lanes_view *v = (const strain_limit_lanes_view *)view;
+  if (v->at.is_lock)
+    strain_limit_lanes_short(v, m);
+  else if (m->count == LANES_GROUPS)
+    strain_limit_lanes_each(v, &m->one, m->i, m->j, LANES_GROUPS);
   else
-    strain_limit_lanes_each((const strain_limit_lanes_view *)view, m, m->count);
+    strain_limit_lanes_each(v, &m->one, m->i, m->j, m->count);
 }
 #else
 #define strain_limit_lanes_groups NULL
@@ -157,7 +195,8 @@ LANES_INLINE void strain_limit_lanes_groups(const void *view, const spring_group
 
 LANES_INLINE uint32_t strain_limit_lanes_run(link_view s, const spring_batch *batches, uint32_t count) {
   const spring_rows rows = {s.i, s.j, s.kind};
-  strain_limit_lanes_view v = {s, 0, {{0}}};
+  const int32_t far = s.is_lock ? lock_far(&s.classes[CLASS_SHEAR]) : 0;
+  strain_limit_lanes_view v = {s, far, 0, {{0}}};
   strain_limit_lanes_fill(&v);
   return spring_lanes_batches(&rows, batches, count, strain_limit_lanes_pairs, strain_limit_lanes_groups,
                               &v);

@@ -23,6 +23,7 @@ typedef struct {
   uint8_t membrane; /* the world is a membrane; else it is woven */
   uint8_t yarns;    /* crossings split */
   uint8_t elastic_yarns, rigid_meshes, yarn_collision, triangle_collision;
+  uint8_t shear_lock; /* diagonals of woven cloth have a least length */
   uint8_t blades;   /* rigid meshes cut the membrane */
 } world_features;
 

@@ -57,6 +57,16 @@ static inline link_class link_class_make(int32_t rest, int32_t push) {
   return c;
 }
 
+/* Worlds with a shear lock have two classes more, of diagonals that get no shorter than R: CLASS_LOCK for
+ * CLASS_SHEAR, the next for CLASS_SHEAR_HALF. What is longer counts as R, so nothing pulls. */
+enum { CLASS_LOCK = CLASS_LINKS + 1, CLASSES_WITH_LOCK = CLASS_LOCK + 2, LOCK_UNITS_MIN = 128 };
+/* rest: Q24 lu, LOCK_UNITS_MIN to LINK_UNITS_MAX in units of 2^LINK_SHIFT. */
+static inline link_class link_class_of_lock(int32_t rest) {
+  link_class c = link_class_make(rest, 4096);
+  c.n_max = c.r2;
+  return c;
+}
+
 /* A class of bend or shear springs: dv = gain * elongation, along the spring, for one tick, in
  * (lu per substep) per lu; gain = mantissa * 2^-shift, below 1/2. Directions are in units of 2^down
  * position steps, of which the rest length R is BEND_SHEAR_UNITS_MIN..MAX. */

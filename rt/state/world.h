@@ -312,6 +312,7 @@ static inline void world_find_features(fray_world *w) {
   const uint32_t *const pool = w->capacity;
   w->features.membrane = pool[POOL_TRIANGLES] != 0;
   w->features.yarns = pool[POOL_SPLITS] != 0;
+  w->features.shear_lock = pool[POOL_LINK_CLASSES] > CLASS_LOCK;
   w->features.elastic_yarns = pool[POOL_YARN_GAINS] != 0;
   w->features.rigid_meshes = pool[POOL_RIGID_MESH_WORDS] != 0;
   w->features.yarn_collision = pool[POOL_YARN_PAIRS] != 0;
@@ -321,6 +322,7 @@ static inline void world_find_features(fray_world *w) {
 
 static inline int world_has_membrane(const fray_world *w) { return FRAY_TRIANGLES && w->features.membrane; }
 static inline int world_has_yarns(const fray_world *w) { return w->features.yarns; }
+static inline int world_has_shear_lock(const fray_world *w) { return w->features.shear_lock; }
 static inline int world_has_elastic_yarns(const fray_world *w) { return w->features.elastic_yarns; }
 static inline int world_has_rigid_meshes(const fray_world *w) {
   return FRAY_MESHES && w->features.rigid_meshes;

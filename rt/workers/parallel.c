@@ -33,7 +33,7 @@ static int has_free_body(const fray_world *w) {
 /* 1 iff worker 0 must tick the world alone. */
 static int is_serial(const fray_world *w) {
   return has_free_body(w) || world_has_yarns(w) || world_has_elastic_yarns(w) || world_has_membrane(w) ||
-         world_has_rigid_meshes(w) || world_has_yarn_collision(w);
+         world_has_shear_lock(w) || world_has_rigid_meshes(w) || world_has_yarn_collision(w);
 }
 
 static int has_surface(const fray_world *w) {

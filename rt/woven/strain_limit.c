@@ -15,6 +15,10 @@
  * k_struct alone: its explicit force moves a pair by 2 k h^2/m of its shortening in a substep h, so
  * a compressed link gets that fraction (`push`) of a projection, at most all of it.
  *
+ * A shear lock is a least length of the diagonals of the cells: behind the links, each diagonal that is
+ * shorter is projected to it, as a compressed link of push 1. Most are far longer, which a sum of three sizes
+ * shows.
+ *
  * Formats: 32-bit products only, good on small targets and wide units. A difference d in Q24 is
  * split into hi, 15 bits in units of 2^8, and the rest lo, so that |d|^2 = hi^2 + 2 hi lo + ... is
  * known to 2^-24 of r^2 for rest lengths from 1/16 lu (lo^2 is left out: below 2^-23). Directions
@@ -69,15 +73,16 @@ static inline void move_both(int32_t *restrict x, uint32_t i, uint32_t j, int32_
   x[j] = fx_sub(x[j], c * inverse_mass_j);
 }
 
-/* A link of which one end has half the mass of the other: that end moves by two thirds, the other by one
+/* One link. Where one end has half the mass of the other, that end moves by two thirds, the other by one
  * third. The correction is computed once, so momentum is kept to the last bit here too. Out of line: rare. */
-__attribute__((noinline)) static void project_unequal(link_view s, uint32_t spring) {
+__attribute__((noinline)) static void project_one(link_view s, uint32_t spring) {
   const uint32_t kind = s.kind[spring];
   const uint32_t i = s.i[spring];
   const uint32_t j = s.j[spring];
   const int32_t inverse_mass_i = (kind & SPRING_HALF_I) != 0 ? 2 : 1;
   const int32_t inverse_mass_j = (kind & SPRING_HALF_J) != 0 ? 2 : 1;
-  const vec3 c = correction(&s, i, j, &s.classes[kind & SPRING_CLASS], LINK_THIRD);
+  const int32_t fraction = (kind & SPRING_HALF_MASS) != 0 ? LINK_THIRD : WHOLE_CORRECTION;
+  const vec3 c = correction(&s, i, j, &s.classes[kind & SPRING_CLASS], fraction);
   move_both(s.x, i, j, c.x, inverse_mass_i, inverse_mass_j);
   move_both(s.y, i, j, c.y, inverse_mass_i, inverse_mass_j);
   move_both(s.z, i, j, c.z, inverse_mass_i, inverse_mass_j);
@@ -87,7 +92,7 @@ static void project_free(link_view s, uint32_t first, uint32_t end) {
   for (uint32_t spring = first; spring < end; ++spring) {
     const int32_t kind = (int8_t)s.kind[spring];
     if (kind <= SPRING_DEAD) {
-      if (kind != SPRING_DEAD) project_unequal(s, spring);
+      if (kind != SPRING_DEAD) project_one(s, spring);
       continue;
     }
     const uint32_t i = s.i[spring];
@@ -100,6 +105,11 @@ static void project_free(link_view s, uint32_t first, uint32_t end) {
   }
 }
 
+static inline int32_t lock_size(int32_t d) { return fx_asr(d < 0 ? -d : d, LOCK_FAR_SHIFT); }
+static inline int lock_is_far(vec3 d, const link_class *lock) {
+  return lock_size(d.x) + lock_size(d.y) + lock_size(d.z) >= lock_far(lock);
+}
+
 /* Links with end i carried by a body: end j moves by the whole correction, the body gets the opposite
  * momentum, half as much where j has half the mass. */
 static void project_attached(fray_world *w, link_view s, uint32_t first, uint32_t end) {
@@ -109,6 +119,7 @@ static void project_attached(fray_world *w, link_view s, uint32_t first, uint32_
     const uint32_t i = s.i[spring];
     const uint32_t j = s.j[spring];
     FRAY_ASSERT(i < particles_attached(w) && j >= particles_attached(w));
+    if (s.is_lock && lock_is_far(link_vec(&s, i, j), &s.classes[CLASS_SHEAR])) continue;
     const vec3 twice = correction(&s, i, j, &s.classes[kind & SPRING_CLASS], WHOLE_CORRECTION);
     const int32_t mass = (kind & SPRING_HALF_MASS) != 0 ? 1 << (FX_SUB_BITS - 1) : 1 << FX_SUB_BITS;
     const vec3 c = vec_negated(vec_round(twice, 19 - LINK_SHIFT));
@@ -117,28 +128,57 @@ static void project_attached(fray_world *w, link_view s, uint32_t first, uint32_
   }
 }
 
-void strain_limit_range(fray_world *w, uint32_t b, uint32_t batches) {
-  FRAY_ASSERT(!world_has_membrane(w));
-  FRAY_ASSERT(b <= batches && batches <= (uint32_t)w->params->link_batches);
-  const link_view view =
-      woven_links(w, world_has_elastic_yarns(w) ? w->woven.max_links : w->woven.link_classes);
+/* Diagonals of free particles; few of them may be too short. */
+static void lock_free(link_view s, uint32_t first, uint32_t end) {
+  const link_class *const lock = &s.classes[CLASS_SHEAR];
+  for (uint32_t spring = first; spring < end; ++spring) {
+    if (s.kind[spring] == SPRING_DEAD) continue;
+    const vec3 d = link_vec(&s, s.i[spring], s.j[spring]);
+    if (!lock_is_far(d, lock) && link_squared(d, link_coarse_vec(d)) < (uint32_t)lock->r2)
+      project_one(s, spring);
+  }
+}
+
+static void project_batches(fray_world *w, link_view view, uint32_t b, uint32_t batches) {
+  FRAY_ASSERT(!world_has_membrane(w) && b <= batches);
   while (b < batches) {
     const int32_t attached = w->woven.batches[b].attached;
     const uint32_t first = (uint32_t)w->woven.batches[b].first;
     const uint32_t begun = b;
     const uint32_t end = world_batch_run(w, &b, batches);
-    FRAY_ASSERT(first <= end && end <= (uint32_t)w->params->links);
+    FRAY_ASSERT(first <= end && end <= w->capacity[POOL_SPRINGS]);
     if (attached == BATCH_INACTIVE) continue;
-    if (attached == BATCH_ATTACHED)
+    if (attached == BATCH_ATTACHED) {
       project_attached(w, view, first, end);
-    else if (!simd_strain_limit(w->kernel, view, w->woven.batches + begun, b - begun))
-      project_free(view, first, end);
+    } else if (!simd_strain_limit(w->kernel, view, w->woven.batches + begun, b - begun)) {
+      if (view.is_lock)
+        lock_free(view, first, end);
+      else
+        project_free(view, first, end);
+    }
     w->work.projections += end - first;
   }
 }
 
+void strain_limit_range(fray_world *w, uint32_t b, uint32_t batches) {
+  FRAY_ASSERT(batches <= (uint32_t)w->params->link_batches);
+  const link_class *const classes = world_has_elastic_yarns(w) ? w->woven.max_links : w->woven.link_classes;
+  project_batches(w, woven_links(w, classes), b, batches);
+}
+
+/* Second springs of diagonals, behind the first, are dead before a crossing splits. */
+static void lock_diagonals(fray_world *w) {
+  const params *const p = w->params;
+  const uint32_t begin = (uint32_t)(p->link_batches + p->bend_batches);
+  const int has_split = w->p.count != (uint32_t)p->particles;
+  project_batches(w, woven_diagonals(w), begin,
+                  has_split ? w->capacity[POOL_BATCHES] : begin + (uint32_t)p->shear_batches);
+}
+
 void strain_limit_apply(fray_world *w) {
   FRAY_ASSERT(w->params->iterations > 0);
-  for (int32_t iteration = 0; iteration < w->params->iterations; ++iteration)
+  for (int32_t iteration = 0; iteration < w->params->iterations; ++iteration) {
     strain_limit_range(w, 0, (uint32_t)w->params->link_batches);
+    if (world_has_shear_lock(w)) lock_diagonals(w);
+  }
 }

@@ -21,7 +21,8 @@ void bend_shear_apply(fray_world *w);
 /* Moves the particles of elastic yarns, instead of particles_advance(). Cost: elastic steps times (links +
  * particles). */
 void yarn_stretch_run(fray_world *w);
-/* Projects structural links (section 4.1). Cost: iterations times links. */
+/* Projects structural links (section 4.1), then diagonals shorter than a shear lock allows. Cost: iterations
+ * times links, and diagonals of worlds with a lock. */
 void strain_limit_apply(fray_world *w);
 /* Keeps the yarns of split crossings a thickness apart (section 3.3). Substep 0 finds which crossings slip in
  * this tick. Needs yarns. Cost: linear in the split crossings. */

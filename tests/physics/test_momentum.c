@@ -120,7 +120,9 @@ static void edit(char **text, const char *from, const char *to) {
   *text = fixture_replace(*text, from, to, &found);
 }
 
-static void check_scene(const char *path, int with_drag) {
+enum { PLAIN, WITH_DRAG, WITH_LOCK };
+
+static void check_scene(const char *path, int how) {
   fixture_scoped f = {0};
   int64_t moved = 0;
   uint32_t cuts = 0;
@@ -131,12 +133,15 @@ static void check_scene(const char *path, int with_drag) {
   edit(&text, "substeps auto", "substeps 8"); /* the ledger holds for any number of them */
   edit(&text, "settle 1 s", "settle 0.2 s");
   edit(&text, "settle 0.5 s", "settle 0.2 s");
+  if (how == WITH_LOCK) edit(&text, "  bend ", "  shear_lock 30 deg\n  bend ");
   fixture_text_of(&f, path, text);
   free(text);
+  CHECK_EQ_INT(f.w->features.shear_lock, how == WITH_LOCK);
   fixture_params(&f)->relative_damping = 0;
-  if (!with_drag) fixture_params(&f)->drag = 0;
+  if (how != WITH_DRAG) fixture_params(&f)->drag = 0;
   const int64_t residual = run_ledger(&f, &moved, &cuts, &touches);
-  snprintf(name, sizeof name, "ledger_%s%s", strrchr(path, '/') + 1, with_drag ? "_drag" : "");
+  static const char *const suffix[] = {[PLAIN] = "", [WITH_DRAG] = "_drag", [WITH_LOCK] = "_lock"};
+  snprintf(name, sizeof name, "ledger_%s%s", strrchr(path, '/') + 1, suffix[how]);
   snprintf(asked, sizeof asked, "exactly 0; impulses to %lld, %u cuts, %u touches",
            (long long)moved, cuts, touches);
   figure(name, (double)residual, "2^-28_lu_per_substep", asked);
@@ -146,10 +151,15 @@ static void check_scene(const char *path, int with_drag) {
 
 static void momentum_of_every_scene_is_accounted_for(void) {
   CHECK(scene_count >= 9);
-  for (uint32_t n = 0; n < scene_count; ++n) check_scene(scenes[n], 0);
+  for (uint32_t n = 0; n < scene_count; ++n) check_scene(scenes[n], PLAIN);
 }
 static void and_with_drag(void) {
-  for (uint32_t n = 0; n < scene_count; n += 3) check_scene(scenes[n], 1);
+  for (uint32_t n = 0; n < scene_count; n += 3) check_scene(scenes[n], WITH_DRAG);
+}
+static void and_with_a_shear_lock(void) {
+  check_scene("tests/scenes/small.scene", WITH_LOCK);
+  check_scene("tests/scenes/two_hands.scene", WITH_LOCK);
+  check_scene("tests/scenes/two_hands_yarns.scene", WITH_LOCK);
 }
 
 /* ---- single projections ---- */
@@ -294,6 +304,7 @@ int main(void) {
   list_scenes();
   TEST(momentum_of_every_scene_is_accounted_for);
   TEST(and_with_drag);
+  TEST(and_with_a_shear_lock);
   TEST(a_projection_keeps_the_sum_of_positions);
   TEST(a_projection_reduces_the_strain);
   TEST(at_rest_length_nothing_moves);

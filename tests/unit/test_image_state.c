@@ -7,7 +7,8 @@
 #include "tests/lib/test.h"
 #include "tests/lib/world_fixture.h"
 
-enum { IN_STATE = 2, IN_X = 12, IN_VX = 15, IN_AREA = 39, IN_MEMBRANE = 46, IN_SMOOTHED_STRAINS = 47, TICKS = 60, WORK_MAX = 1 << 24 };
+enum { IN_STATE = 2, IN_LINKS = 3, IN_X = 12, IN_VX = 15, IN_AREA = 39, IN_MEMBRANE = 46,
+       IN_SMOOTHED_STRAINS = 47, TICKS = 60, WORK_MAX = 1 << 24 };
 
 static void patch(fixture *f, uint32_t section, uint32_t word, int32_t value) {
   bytes_store32(image_mend_section(f->image, section) + 4 * word, (uint32_t)value);
@@ -47,6 +48,25 @@ static void strains_that_no_triangle_has(void) {
     else CHECK_EQ_INT(error.section, IN_SMOOTHED_STRAINS);
     bytes_store32(place, was);
   }
+}
+
+static void classes_of_a_shear_lock(void) {
+  enum { WORDS = sizeof(link_class) / 4 };
+  fixture_scoped f = {0};
+  fixture_file(&f, "tests/scenes/small.scene", "  bend ", "  shear_lock 45 deg\n  bend ", NULL);
+  CHECK_EQ_INT(f.w->capacity[POOL_LINK_CLASSES], CLASSES_WITH_LOCK);
+  for (uint32_t word = CLASS_LOCK * WORDS; word < CLASSES_WITH_LOCK * WORDS; ++word) {
+    fray_error error = {FRAY_OK, 0, 0, ""};
+    uint8_t *place = image_mend_section(f.image, IN_LINKS) + 4 * word;
+    const uint32_t was = bytes_load32(place);
+    bytes_store32(place, was + 1);
+    CHECK_EQ_INT(open_patched(&f, &error), FRAY_BAD_FIELD);
+    CHECK_EQ_INT(error.section, IN_LINKS);
+    CHECK_EQ_INT(error.index, CLASS_LOCK);
+    bytes_store32(place, was);
+  }
+  check_runs(&f);
+  CHECK_EQ_INT(f.w->capacity[POOL_BEND_SHEAR_CLASSES], CLASS_SHEAR + 1);
 }
 
 /* ---- fields at their limits ---- */
@@ -216,6 +236,7 @@ static void opening_writes_what_the_image_is_long(void) {
 
 int main(void) {
   TEST(strains_that_no_triangle_has);
+  TEST(classes_of_a_shear_lock);
   TEST(places_at_the_edge_with_self_collision);
   TEST(gales);
   TEST(triangles_that_have_hardly_any_area);

@@ -297,7 +297,7 @@ static void checks_the_cloth(void) {
               "found the end of the file, expected '}' for the woven cloth of line 2");
   check_fails("scene s\nwoven { warps 8\nsphere b { radius 1 cm }\n", 3, 1,
               "found 'sphere' in the woven cloth; is the '{' of line 2 not closed? Its keys: warps, "
-              "wefts, spacing, weave, density, structural, bend, shear, tear, gather, pleats, "
+              "wefts, spacing, weave, density, structural, bend, shear, shear_lock, tear, gather, pleats, "
               "damping, yarns, split_strain, disconnect_at, disconnect_by, crossing_friction, "
               "slip_friction, crimp, stretch, stretch_damping, at, orientation, thickness, drag, "
               "self_collision, self_thickness");

@@ -25,7 +25,7 @@ enum {
 };
 #define PLACE_MAX (62 * FX_LU)
 
-enum { LINKS, SPRINGS, TEARS }; /* the stage that runs; what tears are links */
+enum { LINKS, SPRINGS, TEARS, LOCKS }; /* the stage that runs; what tears are links */
 
 /* All that a stage reads and writes. */
 typedef struct {
@@ -65,6 +65,10 @@ static void make_classes(sheet *s) {
     s->springs[n] = bend_shear_class_make(
         draw_below(3) == 0 || shorter < BEND_SHEAR_REST_MIN ? length : shorter, mantissa, shift, draw_either(0, 1));
   }
+  if (s->stage != LOCKS) return;
+  s->classes = CLASSES_WITH_LOCK;
+  s->links[CLASS_LOCK] = s->links[CLASS_LOCK + 1] =
+      link_class_of_lock(draw_between(LOCK_UNITS_MIN << LINK_SHIFT, LINK_UNITS_MAX << LINK_SHIFT));
 }
 
 /* ---- rows ---- */
@@ -117,7 +121,8 @@ static uint32_t place_run(sheet *s, uint8_t *used, uint32_t row, uint32_t length
 static uint8_t live_kind(const sheet *s, int light) {
   static const uint8_t ends[] = {0, SPRING_HALF_MASS | SPRING_HALF_I, SPRING_HALF_MASS | SPRING_HALF_J,
                                  SPRING_HALF_MASS | SPRING_HALF_I | SPRING_HALF_J};
-  return (uint8_t)((1 + draw_below(s->classes - 1)) | (light ? ends[draw_below(4)] : 0u));
+  const uint32_t class = s->stage == LOCKS ? CLASS_SHEAR + draw_below(2) : 1 + draw_below(s->classes - 1);
+  return (uint8_t)(class | (light ? ends[draw_below(4)] : 0u));
 }
 
 static void make_batch(sheet *s, const spring_batch *b) {
@@ -193,7 +198,9 @@ static void some_direction(double out[3]) {
 
 static void place_row(sheet *s, uint32_t row, uint32_t ways) {
   const uint32_t kind = s->kind[row] & SPRING_CLASS;
-  const int32_t rest = s->stage == SPRINGS ? s->springs[kind].rest : s->links[kind].rest;
+  const int32_t rest = s->stage == SPRINGS ? s->springs[kind].rest
+                       : s->stage == LOCKS ? s->links[CLASS_LOCK].rest
+                                           : s->links[kind].rest;
   const unsigned down = s->stage == SPRINGS ? (unsigned)s->springs[kind].down : LINK_SHIFT;
   double toward[3];
   some_direction(toward);
@@ -252,11 +259,14 @@ static void run_stage(const sheet *s, fray_world *w, fray_kernel kernel, body_mo
   p.iterations = 1;
   p.attached = (int32_t)s->held;
   p.particles = (int32_t)s->particles;
-  p.link_batches = s->stage == SPRINGS ? 0 : (int32_t)s->batch_count;
+  const int is_links = s->stage == LINKS || s->stage == TEARS;
+  p.link_batches = is_links ? (int32_t)s->batch_count : 0;
+  p.shear_batches = s->stage == LOCKS ? (int32_t)s->batch_count : 0;
+  w->features.shear_lock = s->stage == LOCKS;
   p.bend_batches = s->stage == SPRINGS ? (int32_t)s->batch_count : 0;
   static index_t home[ROWS_MOST];
   for (uint32_t row = 0; row < s->rows; ++row) home[row] = (index_t)row;
-  p.links = s->stage == SPRINGS ? 0 : (int32_t)s->rows;
+  p.links = is_links ? (int32_t)s->rows : 0;
   p.tearing = 1;
   p.tear_min = s->tear_min;
   p.tear_max = s->tear_max;
@@ -271,10 +281,10 @@ static void run_stage(const sheet *s, fray_world *w, fray_kernel kernel, body_mo
   w->rigid.motion = motion;
   if (s->stage == SPRINGS)
     bend_shear_apply(w);
-  else if (s->stage == LINKS)
-    strain_limit_apply(w);
-  else
+  else if (s->stage == TEARS)
     spring_tear_find(w);
+  else
+    strain_limit_apply(w);
 }
 
 static void run_scalar(sheet *s) {
@@ -358,6 +368,7 @@ static void rows_are_as_scalar(const char *name, uint32_t stage) {
 
 static void links_are_as_scalar(void) { rows_are_as_scalar("links", LINKS); }
 static void springs_are_as_scalar(void) { rows_are_as_scalar("springs", SPRINGS); }
+static void locks_are_as_scalar(void) { rows_are_as_scalar("locks", LOCKS); }
 static void tears_are_as_scalar(void) { rows_are_as_scalar("tears", TEARS); }
 
 int main(int argc, char **argv) {
@@ -366,5 +377,6 @@ int main(int argc, char **argv) {
   TEST(links_are_as_scalar);
   TEST(springs_are_as_scalar);
   TEST(tears_are_as_scalar);
+  TEST(locks_are_as_scalar);
   return test_end();
 }

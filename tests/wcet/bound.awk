@@ -28,7 +28,9 @@ function rounds(what) {
   if (what == "pull_held") return (stretches != 0) * 3 * held * substeps
   if (what == "pull_free") return (stretches != 0) * 3 * most["predictions"]
   if (what == "inner_moves") return 3 * inner_steps * (most["predictions"] + held * substeps)
-  # scenes of `make work` have no sweeps
+  # scenes of `make work` have no shear lock
+  if (what == "locked") return 0
+  # nor sweeps
   if (what == "pieces" || what == "halvings" || what == "looks") return 0
   if (what == "batch_sweeps") return link_batches * sweeps * substeps
   if (what == "spring_batches") return spring_batches

@@ -60,7 +60,9 @@ static void plan_capacity(const draft *d, uint32_t capacity[POOLS]) {
   capacity[POOL_CROSSINGS] = d->crossings;
   capacity[POOL_SPRINGS] = all_springs(d);
   capacity[POOL_BATCHES] = d->batch_count;
-  capacity[POOL_LINK_CLASSES] = s->woven.yarns != 0 ? CLASS_LINKS + 1 : CLASS_WARP + 1;
+  capacity[POOL_LINK_CLASSES] = s->woven.shear_lock.numerator != 0 ? CLASSES_WITH_LOCK
+                                : s->woven.yarns != 0              ? CLASS_LINKS + 1
+                                                                   : CLASS_WARP + 1;
   capacity[POOL_BEND_SHEAR_CLASSES] = s->woven.yarns != 0 ? CLASS_SHEAR_HALF + 1 : CLASS_SHEAR + 1;
   capacity[POOL_BODIES] = d->bodies;
   capacity[POOL_KEYS] = s->key_count;

@@ -309,6 +309,26 @@ static int32_t length_at_kept_tension(const draft *d, int32_t spacing, int32_t a
   return crimped(spacing, (int32_t)apart, 65536);
 }
 
+/* A cell of sides a and b, sheared by the angle s of half tangent t, has a diagonal of
+ * a^2 + b^2 - 2 a b sin s, squared; sin s = 2 t / (1 + t^2). */
+static int shear_lock(const draft *d, link_class *locks) {
+  const exact t = d->scene->woven.shear_lock;
+  if (t.numerator == 0) return 1;
+  if (scene_has_stretch(d->scene))
+    return draft_expected(d, BLOCK_CLOTH, "shear_lock", "none with 'stretch': its yarns are not projected");
+  const exact one = exact_make(1, 1);
+  const exact sine = exact_div(exact_mul(exact_make(2, 1), t), exact_add(one, exact_mul(t, t)));
+  int64_t across = 0;
+  const int64_t a = d->spacing[0];
+  const int64_t b = d->spacing[1];
+  (void)exact_to_fixed(exact_mul(sine, exact_make(2 * a, 1)), 0, &across);
+  const int32_t least = (int32_t)exact_sqrt((uint64_t)(a * a + b * b - across * b));
+  locks[0] = locks[1] = link_class_of_lock(least);
+  return (least >= LOCK_UNITS_MIN << LINK_SHIFT && least <= LINK_UNITS_MAX << LINK_SHIFT) ||
+         draft_expected(d, BLOCK_CLOTH, "shear_lock",
+                        "an angle that leaves diagonals of 1/512 to 1/8 of the cloth's unit of length");
+}
+
 int draft_classes(const draft *d, link_class *links, bend_shear_class *springs) {
   int32_t push = 0;
   int32_t thickness = 0;
@@ -318,9 +338,10 @@ int draft_classes(const draft *d, link_class *links, bend_shear_class *springs) 
       !draft_fixed_point(d, of_cloth("crimp", UNIT_SHARE, d->scene->woven.crimp), d->scene->woven.crimp, 16,
                          0, 65536, &crimp))
     return 0;
+  const int crimps = d->scene->woven.yarns != 0 || d->scene->woven.shear_lock.numerator != 0;
   for (uint32_t axis = 0; axis < 2; ++axis) {
     links[CLASS_WEFT + axis] = link_class_make(d->spacing[axis], push);
-    for (uint32_t halves = 1; halves < 3 && d->scene->woven.yarns != 0; ++halves) {
+    for (uint32_t halves = 1; halves < 3 && crimps; ++halves) {
       const int32_t across = (int32_t)halves * (thickness / 2);
       const int keeps = scene_has_stretch(d->scene) && !d->scene->woven.has_crimp;
       links[CLASS_WEFT + axis + halves * CLASS_CRIMP] =
@@ -334,7 +355,9 @@ int draft_classes(const draft *d, link_class *links, bend_shear_class *springs) 
   const uint64_t diagonal2 = (uint64_t)((int64_t)d->spacing[0] * d->spacing[0]) +
                              (uint64_t)((int64_t)d->spacing[1] * d->spacing[1]);
   const int32_t diagonal = (int32_t)exact_sqrt(diagonal2);
-  if (!make_spring(d, "shear", d->scene->woven.shear, diagonal, 1, &springs[CLASS_SHEAR])) return 0;
+  if (!shear_lock(d, &links[CLASS_LOCK]) ||
+      !make_spring(d, "shear", d->scene->woven.shear, diagonal, 1, &springs[CLASS_SHEAR]))
+    return 0;
   return d->scene->woven.yarns == 0 ||
          make_spring(d, "shear", exact_div(d->scene->woven.shear, exact_make(2, 1)), diagonal, 1,
                      &springs[CLASS_SHEAR_HALF]);

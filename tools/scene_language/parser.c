@@ -91,6 +91,7 @@ static void set_woven_defaults(scene *out) {
   out->woven.thickness = exact_make(1, 100);
   out->woven.bend = exact_make(5, 1);
   out->woven.shear = exact_make(2, 1);
+  out->woven.shear_lock = zero;
   out->woven.structural = exact_make(6000, 1);
   out->woven.tear_min = exact_make(1, 20);
   out->woven.tear_max = exact_make(1, 10);

@@ -136,6 +136,7 @@ typedef struct {
     exact density;        /* g/cm2, default 0.25 */
     exact thickness;      /* cm, default 0.01 */
     exact bend, shear;    /* g/s2, defaults 5 and 2 */
+    exact shear_lock;     /* tan of half the angle of shear at which yarns jam; 0 (default): none */
     exact structural; /* g/s2, default 6000; projection keeps the length, this is what pressed yarns push with
                        */
     exact tear_min, tear_max; /* defaults 0.05 0.10 */

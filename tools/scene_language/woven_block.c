@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "tools/scene_language/angle.h"
 #include "tools/scene_language/cloth_keys.h"
 
 enum { CROSSINGS_MAX = 262144 };
@@ -109,6 +110,16 @@ static int read_disconnect_by(parser *p, const block_key *key, void *target) {
   return value_read_choice(p, words, 2, &((scene *)target)->woven.disconnect_by_particles);
 }
 
+/* shear_lock 45 deg; 0 deg is none. */
+static int read_shear_lock(parser *p, const block_key *key, void *target) {
+  exact *tangent = &((scene *)target)->woven.shear_lock;
+  if (!value_read_angle(p, &key->range, tangent)) return 0;
+  const exact least = angle_half_tangent(exact_make(10, 1));
+  return tangent->numerator == 0 || exact_compare(*tangent, least) >= 0 ||
+         parser_fail(p, p->key_place, "found less than 10 deg, expected 0 deg (none) or 10 to 80 deg for '%s'",
+                     p->key);
+}
+
 #define AT(field) CLOTH_FIELD(field)
 static const block_key keys[] = {
     {"warps", block_count, AT(warps), {UNIT_NONE, "2", "1024"}, 1, KEY_NEEDED},
@@ -119,6 +130,7 @@ static const block_key keys[] = {
     {"structural", block_exacts, AT(structural), {UNIT_STIFFNESS, "1", "1000000000"}, 1, 0},
     {"bend", block_exacts, AT(bend), {UNIT_STIFFNESS, "0", "1000000"}, 1, 0},
     {"shear", block_exacts, AT(shear), {UNIT_STIFFNESS, "0", "1000000"}, 1, 0},
+    {"shear_lock", read_shear_lock, 0, {UNIT_ANGLE, "0", "80"}, 1, 0},
     {"tear", read_tear, 0, {UNIT_SHARE, "0.1", "400"}, 2, KEY_REPEATS},
     {"gather", block_exacts, AT(gather), {UNIT_SHARE, "0", "90"}, 1, 0},
     {"pleats", block_count, AT(pleats), {UNIT_NONE, "1", "256"}, 1, 0},
