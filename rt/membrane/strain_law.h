@@ -14,8 +14,8 @@
  * Below g0 nothing differs. g0 is where the slope (3 s0^2 - 1) / 2 of c G takes a triangle alone to
  * w^2 h^2 = 3.4. No slope is more than 1.16 times that, whatever c and however drawn: below 4. With f of a
  * constant slope it would be up to 1.6 times, as T22 has c12 f(g1) in it. Force has its maximum at x = 1 or
- * before: a body's pull above that draws cloth to the limit of its edges (edge_limit.c). A sheet under `load`s
- * that neither tears nor has a limit keeps c G, to hold any. */
+ * before: a body's pull above that draws cloth to the limit of its edges (edge_limit.c). A sheet with a
+ * `load` that neither tears nor has a limit keeps c G, to hold any. */
 #ifndef FRAY_MEMBRANE_STRAIN_LAW_H
 #define FRAY_MEMBRANE_STRAIN_LAW_H
 
