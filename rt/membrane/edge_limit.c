@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Limits of edges, in each elastic step at the velocity: impulses on both ends, which take energy
- * as a contact does (contact/constraint_solve.c).
+/* Limits of edges, in each elastic step at the velocity: impulses on both ends, which take energy as a
+ * contact does (contact/constraint_solve.c).
  *
- *   length   no edge grows longer than `edge_limit` times its rest length, or than three times
- * where there is none, as strains beyond that are not told apart. The limit is above the strain at
- *            which cloth tears, and so hides no stress below that. An edge near it separates no
- * faster than its room allows, and comes back slowly where it has none rate     no edge changes by
- * more than an eighth of its rest length in a step: where a triangle is another one after each
- * step, leapfrog does not keep its energy, however small w h is, and splinters gained speed without
- * end
+ *   length   no edge grows longer than `edge_limit` times its rest length, or than three times where there is
+ *            none, as strains beyond that are not told apart. The limit is above the strain at which cloth
+ *            tears, and so hides no stress below that. An edge near it separates no faster than its room
+ *            allows, and comes back slowly where it has none.
+ *   rate     no edge changes by more than an eighth of its rest length in a step. Where a triangle is another
+ *            one after each step leapfrog does not keep its energy, however small w h is: splinters gained
+ *            speed without end.
  *
  * Those that may get there are found once a substep. No SIMD twin: edges follow one another. */
 #include "rt/membrane/membrane.h"
