@@ -160,7 +160,7 @@ test: programs ## run every test; SUITES="cli tidy" picks shell suites; PART=2/4
 	  sh tests/run_all.sh $(TESTS) $(IMAGE_16) $(WIDE_16) $(FX_NARROW) $(ASSERTED)
 
 ROWS ?= 100000000
-WIDE_TESTS := $(BUILD)/tests/unit/test_simd $(WIDE_16) $(addprefix $(BUILD)/tests/unit/,test_simd_particle_loops test_simd_contacts test_simd_yarn_slip test_simd_membrane)
+WIDE_TESTS := $(BUILD)/tests/unit/test_simd $(WIDE_16) $(addprefix $(BUILD)/tests/unit/,test_simd_particle_loops test_simd_contacts test_simd_membrane)
 wide: $(WIDE_TESTS) ## wide kernels against the scalar code, ROWS (10^8) random rows of each kind
 	@for program in $(WIDE_TESTS); do echo "$$program $(ROWS)"; ./$$program $(ROWS) || exit 1; done
 

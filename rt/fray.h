@@ -174,7 +174,7 @@ typedef struct {
   uint32_t over_threshold;    /* structural springs found over their tear strain */
   uint32_t transitions;       /* structural springs tested for splitting, crossings for disconnecting */
   uint32_t splits;            /* crossings split, loosened or disconnected */
-  uint32_t slips;             /* connected and loose crossings x substeps */
+  uint32_t slips;             /* connected and loose crossings x substeps, x elastic steps / 2 */
   uint32_t yarn_forces;       /* structural springs x elastic steps x substeps, twice with damping */
   uint32_t tear_candidates;   /* lines along which the membrane was tested for a tear */
   uint32_t element_forces;    /* triangles x elastic steps x substeps */
@@ -360,7 +360,7 @@ typedef struct {
   uint32_t splits_max;              /* split budget of a tick; 0: crossings never split */
   uint32_t all_yarn;                /* 1: every free crossing is split from tick 0 on */
   int32_t split_min_q16, split_max_q16; /* strain at which the ends of a spring split */
-  int32_t disconnect_distance;      /* Q24 lu: yarns farther apart are disconnected */
+  int32_t disconnect_distance;      /* Q24 lu: yarns drawn farther apart are disconnected */
   uint32_t yarn_stiffness_un;       /* force of an elastic yarn at a strain of 1, uN; 0: projection */
   uint32_t yarn_steps;              /* elastic steps of a substep */
   uint32_t yarn_damping_ns;
@@ -439,7 +439,7 @@ typedef struct {
 typedef enum {
   FRAY_WHOLE = 0,
   FRAY_CONNECTED = 1,   /* split, held together: all-yarn cloth only */
-  FRAY_LOOSE = 2,       /* the yarns slide over each other */
+  FRAY_LOOSE = 2,       /* the yarns slide along each other */
   FRAY_DISCONNECTED = 3 /* the yarns have come apart for good */
 } fray_crossing_state;
 typedef enum { FRAY_WEFT = 0, FRAY_WARP = 1 } fray_axis;

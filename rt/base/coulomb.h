@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Coulomb's law for displacements: the one place of it in scalar code. Its twins in lanes, with the same
- * rounding, are simd/ground_contact_lanes.inl.h and simd/yarn_slip_lanes.inl.h. */
+/* Coulomb's law for displacements: the one place of it in scalar code. Its twin in lanes, with the same
+ * rounding, is simd/ground_contact_lanes.inl.h. */
 #ifndef FRAY_BASE_COULOMB_H
 #define FRAY_BASE_COULOMB_H
 

@@ -58,7 +58,7 @@ static inline void *image_pointer(const fray_world *w, const image_array *a) {
 
 /* Sections that build options leave out. */
 enum { IMAGE_YARN_COLLISION = 49, IMAGE_RIGID_MESHES = 50, IMAGE_BLADES = 51, IMAGE_TRIANGLE_COLLISION = 52,
-       IMAGE_BEND_STATES = 53 };
+       IMAGE_BEND_STATES = 53, IMAGE_YARN_CONTACTS = 54 };
 
 /* A world with capacities and arrays in the caller's memory, for the builder: nothing is taken in
  * place. `memory` NULL: only counts. Returns the bytes needed. */
@@ -80,6 +80,8 @@ int image_words_in_range(const void *table, const word_range *ranges, uint32_t c
 
 /* Checks every value of a freshly loaded world; see image/validate.c. */
 fray_status image_validate(fray_world *w, fray_error *error);
+/* What worlds with yarns have beside it, in time linear in the crossings. 1, or 0 with the error filled. */
+int yarn_contacts_validate(const fray_world *w, fray_error *error);
 /* What membranes have beside it: triangles and vertices that are one mesh, every fan whole, every
  * triangle stout, gains in their ranges; and derives what follows. 1, or 0 with the error filled. */
 int trimesh_validate(fray_world *w, fray_error *error);

@@ -112,16 +112,14 @@ const image_array image_arrays[] = {
      POOL_TRIANGLE_PAIRS, SELF_PARAM_WORDS, AT(self.constants)},
 #endif
     SHEET(IMAGE_BEND_STATES, ROLE_STATE, KIND_WORD, POOL_TRIANGLES, BEND_STATE_WORDS, membrane.bend_states),
+    YARN(IMAGE_YARN_CONTACTS, ROLE_STATE, KIND_WORD, POOL_YARN_CONTACTS, YARN_CONTACT_WORDS, woven.contacts),
     TICK(POOL_PARTICLES, int32_t, p.qx),
     TICK(POOL_PARTICLES, int32_t, p.qy),
     TICK(POOL_PARTICLES, int32_t, p.qz),
     TICK(POOL_BODIES, body_motion, rigid.motion),
     TICK(POOL_CONTACTS, contact, contact.list),
     TICK(POOL_BREAKS, torn_spring, woven.tear_queue),
-    YARN(0, ROLE_TICK, KIND_ID, POOL_CROSSINGS, 1, woven.slip_next),
-#if SLIP_LISTED
-    YARN(0, ROLE_TICK, KIND_STRUCT, POOL_CROSSINGS, 4 * SLIP_LIST_WORDS, woven.slip_list),
-#endif
+    YARN(0, ROLE_TICK, KIND_STRUCT, POOL_YARN_CONTACTS, sizeof(yarn_contact_step), woven.contact_steps),
 #if FRAY_MESHES
     WITH_MESHES(POOL_PARTICLES, int32_t, contact.start_x),
     WITH_MESHES(POOL_PARTICLES, int32_t, contact.start_y),

@@ -44,8 +44,11 @@ static void hash_sheet(hash *h, const fray_world *w) {
 void state_hash_begin(const fray_world *w, hash *h) {
   hash_begin(h);
   hash_state(h, w->state);
-  if (world_has_yarns(w))
+  if (world_has_yarns(w)) {
     hash_words(h, (const int32_t *)(const void *)w->woven.yarn_counts, YARN_STATE_WORDS);
+    hash_words(h, (const int32_t *)(const void *)w->woven.contacts,
+               (uint32_t)w->woven.yarn_counts->split * YARN_CONTACT_WORDS);
+  }
   if (world_has_membrane(w))
     hash_sheet(h, w);
   hash_words(h, (const int32_t *)(const void *)w->rigid.states,

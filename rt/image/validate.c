@@ -26,13 +26,11 @@ enum {
 };
 
 int image_bad(fray_error *error, uint32_t section, uint32_t index, const char *what) {
-  (void)image_refuse(error, FRAY_BAD_FIELD, section, index, what);
-  return 0;
+  return image_refuse(error, FRAY_BAD_FIELD, section, index, what) == FRAY_OK;
 }
 
 static int bad_batch(fray_error *error, uint32_t batch, const char *what) {
-  (void)image_refuse(error, FRAY_BAD_BATCH, IN_BATCHES, batch, what);
-  return 0;
+  return image_refuse(error, FRAY_BAD_BATCH, IN_BATCHES, batch, what) == FRAY_OK;
 }
 
 int image_words_in_range(const void *table, const word_range *ranges, uint32_t count, uint32_t section,
@@ -401,7 +399,7 @@ static int yarns_good(const fray_world *w, fray_error *error) {
     return 0;
   if ((uint32_t)p->particles != w->capacity[POOL_CROSSINGS])
     return image_bad(error, IN_YARNS, 0, "a particle for each crossing");
-  if (w->capacity[POOL_LINK_CLASSES] <= CLASS_LINKS ||
+  if (w->capacity[POOL_LINK_CLASSES] <= CLASS_WARP ||
       w->capacity[POOL_BEND_SHEAR_CLASSES] <= CLASS_SHEAR_HALF)
     return image_bad(error, IN_SPRINGS, 0, "the classes of springs at split crossings");
   if (y->split_max < y->split_min || y->split_min >= p->tear_min ||
@@ -414,7 +412,8 @@ static int yarns_good(const fray_world *w, fray_error *error) {
 static int crossing_good(const fray_world *w, uint32_t c, int32_t *seen) {
   const uint32_t byte = w->woven.crossing_state[c];
   const uint32_t warp = w->woven.warp_particle[c];
-  if ((byte & ~(uint32_t)(CROSSING_STATE | CROSSING_PENDING)) != 0 ||
+  const uint32_t left = crossing_state_at(w, c) == FRAY_LOOSE ? CROSSING_LEFT : 0;
+  if ((byte & ~(uint32_t)(CROSSING_STATE | CROSSING_PENDING | left)) != 0 ||
       w->woven.crossing_of[w->woven.crossing_particle[c]] != c)
     return 0;
   if ((byte & CROSSING_PENDING) != 0 &&
@@ -471,8 +470,8 @@ static int kinds_good(const fray_world *w, fray_error *error) {
 }
 
 static int topology_good(const fray_world *w, fray_error *error) {
-  return state_pair(w->state->topology) == world_topology(w) ||
-         image_bad(error, IN_STATE, 2, "the hash of the topology");
+  const int good = state_pair(w->state->topology) == world_topology(w);
+  return good || image_bad(error, IN_STATE, 2, "the hash of the topology");
 }
 
 static int hash_good(const fray_world *w, fray_error *error) {
@@ -493,7 +492,8 @@ fray_status image_validate(fray_world *w, fray_error *error) {
       (!world_has_blades(w) || blades_good(w, &found)) && particles_good(w, &found) &&
       crossings_good(w, &found) && (!world_has_yarns(w) || split_crossings_good(w, &found)) &&
       ids_good(w, &found) && batches_good(w, &found) && canonical_ids_good(w, &found) &&
-      (!world_has_yarns(w) || kinds_good(w, &found)) && topology_good(w, &found) && hash_good(w, &found);
+      (!world_has_yarns(w) || (kinds_good(w, &found) && yarn_contacts_validate(w, &found))) &&
+      topology_good(w, &found) && hash_good(w, &found);
   if (good) return FRAY_OK;
   if (error != NULL) *error = found;
   return found.status;

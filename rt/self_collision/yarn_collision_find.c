@@ -273,6 +273,22 @@ static int segment_at(const fray_world *w, node at, int along_warp, yarn_segment
   return 1;
 }
 
+static int is_along_warp(const yarn_segment *s) { return s->crossing[1] - s->crossing[0] != 1u; }
+
+/* The contact of the two yarns, a weft's and a warp's segment, is on both or on those next to them. */
+static int contact_is_near(const fray_world *w, const yarn_segment *weft, const yarn_segment *warp) {
+  const uint32_t warps = (uint32_t)w->params->warps;
+  const uint32_t c = weft->crossing[0] / warps * warps + warp->crossing[0] % warps;
+  if (crossing_state_at(w, c) == FRAY_WHOLE || crossing_state_at(w, c) == FRAY_DISCONNECTED) return 0;
+  const yarn_contact *k = &w->woven.contacts[crossing_contact(w, c)];
+  const uint32_t from[2] = {weft->crossing[0] % warps, warp->crossing[0] / warps};
+  for (uint32_t axis = 0; axis < 2; ++axis) {
+    const uint32_t place = k->place[axis] + (uint32_t)YARN_PLACE_HALF; /* so that no difference is below 0 */
+    if (place - (from[axis] << YARN_PLACE_BITS) > 3u * (uint32_t)YARN_PLACE_ONE) return 0;
+  }
+  return 1;
+}
+
 /* Segments that share a particle, or a crossing that holds its yarns together, are the weave's own. */
 static int are_woven_together(const fray_world *w, const yarn_segment *a, const yarn_segment *b) {
   for (uint32_t n = 0; n < 2; ++n)
@@ -282,7 +298,8 @@ static int are_woven_together(const fray_world *w, const yarn_segment *a, const 
           (!world_has_yarns(w) || crossing_state_at(w, a->crossing[n]) != FRAY_DISCONNECTED))
         return 1;
     }
-  return 0;
+  if (!world_has_yarns(w) || is_along_warp(a) == is_along_warp(b)) return 0;
+  return is_along_warp(a) ? contact_is_near(w, b, a) : contact_is_near(w, a, b);
 }
 
 static void add_pair(fray_world *w, uint32_t a, uint32_t b) {

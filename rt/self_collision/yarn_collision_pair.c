@@ -2,7 +2,7 @@
 /* Two segments that come near each other in a tick: push, impulse, and whether they still touch. */
 #include "rt/self_collision/yarn_collision.h"
 #include "rt/state/crossing.h"
-#include "rt/woven/yarn_slip.h"
+#include "rt/woven/yarn_pair.h"
 
 static collision_pair pair_of(const fray_world *w, const self_pair *pair) {
   collision_pair m = {{w->woven.spring_i[pair->a], w->woven.spring_j[pair->a], w->woven.spring_i[pair->b],
@@ -89,9 +89,9 @@ int yarn_collision_push(fray_world *w, self_pair *pair) {
   if (missing <= 0) return 0;
 
   const vec3 by = vec_scale_unit(c.normal, (int32_t)(missing < FX_LU / 8 ? missing : FX_LU / 8));
-  const yarn_slip_pair ends = {{m.p[2], m.p[3], m.p[0], m.p[1]},
+  const yarn_pair ends = {{m.p[2], m.p[3], m.p[0], m.p[1]},
                                {CCD_ONE - c.weight[1], c.weight[1], CCD_ONE - c.weight[0], c.weight[0]}};
-  if (!yarn_slip_move(w, &ends, by, 1)) return 0;
+  if (!yarn_pair_move(w, &ends, by, 1)) return 0;
   for (uint32_t n = 0; n < 4; ++n) {
     impact_zones_hold(w, m.p[n]);
     w->self.moved_round[m.p[n]] = w->self.round;

@@ -30,7 +30,6 @@
 #include "rt/simd/strain_limit_lanes.inl.h"
 #include "rt/simd/tear_scan_lanes.inl.h"
 #include "rt/simd/wind_lanes.inl.h"
-#include "rt/simd/yarn_slip_lanes.inl.h"
 
 #ifdef LANES_NO_BROAD_PHASE
 #define near_box_lanes_run simd_maybe
@@ -52,7 +51,6 @@
 #define membrane_step_lanes_run simd_none
 #define membrane_stress_lanes_run simd_none
 #define wind_lanes_run simd_none
-#define yarn_slip_lanes_run simd_none
 #endif
 
 #define SIMD_DEFINE(set, name, parameters, arguments, ...) \

@@ -22,7 +22,6 @@
 #include "rt/simd/membrane_view.h"
 #include "rt/simd/particle_loops.h"
 #include "rt/simd/spring_terms.h"
-#include "rt/simd/yarn_slip_view.h"
 
 /* X(set, name, parameters, arguments): returns what the loop of this name in particle_loops.h returns. */
 #define SIMD_LOOPS(X, set) \
@@ -53,7 +52,6 @@
   /* contacts first..end-1, all with one plane that faces up: all of them */ \
   X(set, ground_contact, (ground_contact_view * v, uint32_t first, uint32_t end), (v, first, end)) \
   /* crossings first..end-1 of one colour: no two share a particle */ \
-  X(set, yarn_slip, (const yarn_slip_view *v, uint32_t first, uint32_t end), (v, first, end)) \
   /* triangles first..end-1, once a tick */ \
   X(set, membrane_stress, (const stress_view *v, uint32_t first, uint32_t end), (v, first, end)) \
   X(set, wind, (const wind_view *v, uint32_t first, uint32_t end), (v, first, end)) \

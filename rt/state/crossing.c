@@ -27,13 +27,6 @@ static uint32_t canonical_first_shear(const fray_world *w) {
   return (uint32_t)(w->params->links + w->params->bends);
 }
 
-/* How far a split moved the yarn of a class, CLASS_WEFT or CLASS_WARP, in halves of the thickness: -1, 0 or
- * 1. */
-static int32_t split_offset(const fray_world *w, uint32_t c, uint32_t axis) {
-  if (crossing_state_at(w, c) == FRAY_WHOLE) return 0;
-  return crossing_warp_over(w, c) == (axis == CLASS_WARP) ? 1 : -1;
-}
-
 uint8_t crossing_spring_kind(const fray_world *w, uint32_t spring) {
   FRAY_ASSERT(world_has_yarns(w) && spring < w->capacity[POOL_SPRINGS]);
   const uint32_t canonical = w->woven.canonical_id[spring];
@@ -56,10 +49,8 @@ uint8_t crossing_spring_kind(const fray_world *w, uint32_t spring) {
   const int square = w->woven.link_classes[CLASS_WEFT].rest == w->woven.link_classes[CLASS_WARP].rest;
   const uint32_t base = square ? (uint32_t)CLASS_WEFT : axis;
   if (canonical >= (uint32_t)w->params->links) return (uint8_t)(base | half_mass);
-  const int32_t crimp = split_offset(w, a, axis) - split_offset(w, b, axis);
-  const uint32_t class = base + CLASS_CRIMP * (uint32_t)(crimp < 0 ? -crimp : crimp);
   /* a projection between two ends of half mass is one between two of whole mass */
-  return (uint8_t)(class | (ends != (SPRING_HALF_I | SPRING_HALF_J) ? half_mass : 0u));
+  return (uint8_t)(base | (ends != (SPRING_HALF_I | SPRING_HALF_J) ? half_mass : 0u));
 }
 
 /* The particle of a crossing at which a canonical spring ends. */
@@ -80,37 +71,6 @@ void crossing_spring_ends(const fray_world *w, uint32_t spring, uint32_t *a, uin
   const int along_warp = from / (uint32_t)w->params->warps != to / (uint32_t)w->params->warps;
   *a = end_of(w, canonical, from, along_warp);
   *b = end_of(w, canonical, to, along_warp);
-}
-
-/* Half way between the two yarns of a crossing. */
-static vec3 middle(const fray_world *w, uint32_t c) {
-  const vec3 a = world_position(w, w->woven.crossing_particle[c]);
-  const vec3 b = world_position(w, w->woven.warp_particle[c]);
-  return vec_add(a, vec_round(vec_sub(b, a), 1));
-}
-
-/* From the crossing before to the one after it along a yarn: back is direction 0 or 2. Neighbours beyond a
- * broken link count only if across_breaks. */
-static vec3 yarn_direction(const fray_world *w, uint32_t c, uint32_t back, int across_breaks) {
-  vec3 ends[2];
-  for (uint32_t n = 0; n < 2; ++n) {
-    uint32_t next = c;
-    uint32_t link;
-    if (!yarn_grid_step(world_yarn_grid(w), c, back + n, &next, &link) ||
-        (!across_breaks && w->woven.spring_kind[w->woven.spring_of[link]] == SPRING_DEAD))
-      next = c;
-    ends[n] = middle(w, next);
-  }
-  return vec_sub(ends[1], ends[0]);
-}
-
-/* The cross products of the four pairs of neighbouring directions add up to one, of the yarns' directions. */
-vec3 crossing_normal(const fray_world *w, uint32_t c) {
-  FRAY_ASSERT(c < w->capacity[POOL_CROSSINGS]);
-  vec3 normal = vec_make(0, 0, 0);
-  for (int across = 0; across < 2 && vec_squared(normal) == 0; ++across)
-    normal = vec_narrow64(vec_cross64(yarn_direction(w, c, 2, across), yarn_direction(w, c, 0, across)), 30);
-  return vec_unit(normal, vec_make(0, 0, 1 << 30));
 }
 
 static void replace_end(fray_world *w, uint32_t spring, uint32_t from, uint32_t to) {
@@ -154,15 +114,17 @@ static void split_springs(fray_world *w, uint32_t c) {
   for (uint32_t n = star.warp_end; n < star.count; ++n) split_diagonal(w, star.spring[n], c);
 }
 
-/* One component: both yarns stay at the crossing but for +-`offset`, and so do the predicted positions. */
-static void split_axis(int32_t *x, int32_t *q, int32_t *v, int8_t *r, uint32_t weft, uint32_t warp,
-                       int32_t offset) {
-  x[warp] = fx_clamp(fx_add(x[weft], offset), -FX_EDGE_MAX, FX_EDGE_MAX);
-  x[weft] = fx_clamp(fx_sub(x[weft], offset), -FX_EDGE_MAX, FX_EDGE_MAX);
-  q[warp] = fx_clamp(fx_add(q[weft], offset), -FX_WORLD_MAX, FX_WORLD_MAX);
-  q[weft] = fx_clamp(fx_sub(q[weft], offset), -FX_WORLD_MAX, FX_WORLD_MAX);
+static void copy_axis(int32_t *x, int32_t *q, int32_t *v, int8_t *r, uint32_t weft, uint32_t warp) {
+  x[warp] = x[weft];
+  q[warp] = q[weft];
   v[warp] = v[weft];
   r[warp] = r[weft];
+}
+
+static void begin_contact(fray_world *w, uint32_t c, uint32_t n) {
+  const uint32_t warps = (uint32_t)w->params->warps;
+  const yarn_contact at_crossing = {{yarn_place_of(c % warps), yarn_place_of(c / warps)}, {0, 0, 0}, 0};
+  w->woven.contacts[n] = at_crossing;
 }
 
 int crossing_split(fray_world *w, uint32_t c, fray_crossing_state to) {
@@ -171,20 +133,37 @@ int crossing_split(fray_world *w, uint32_t c, fray_crossing_state to) {
   if (w->p.count == w->capacity[POOL_PARTICLES]) return 0;
   const uint32_t weft = w->woven.crossing_particle[c];
   const uint32_t warp = w->p.count;
-  const int32_t half = fx_asr(w->params->thickness, 1);
-  const vec3 offset = vec_scale_unit(crossing_normal(w, c), crossing_warp_over(w, c) ? half : -half);
   ++w->p.count;
   ++w->woven.yarn_counts->split;
   ++*count_of(w, to);
-  split_axis(w->p.x, w->p.qx, w->p.vx, w->p.rx, weft, warp, offset.x);
-  split_axis(w->p.y, w->p.qy, w->p.vy, w->p.ry, weft, warp, offset.y);
-  split_axis(w->p.z, w->p.qz, w->p.vz, w->p.rz, weft, warp, offset.z);
+  copy_axis(w->p.x, w->p.qx, w->p.vx, w->p.rx, weft, warp);
+  copy_axis(w->p.y, w->p.qy, w->p.vy, w->p.ry, weft, warp);
+  copy_axis(w->p.z, w->p.qz, w->p.vz, w->p.rz, weft, warp);
   w->woven.warp_particle[c] = (index_t)warp;
   w->woven.crossing_of[warp] = (index_t)c;
+  begin_contact(w, c, warp - (uint32_t)w->params->particles);
   world_toggle(w, TOPOLOGY_WARP, c, warp);
   write_state(w, c, (w->woven.crossing_state[c] & (uint32_t)CROSSING_PENDING) | to);
   split_springs(w, c);
   return 1;
+}
+
+void crossing_release_diagonals(fray_world *w, uint32_t c) {
+  yarn_grid_star star;
+  yarn_grid_springs_at(world_yarn_grid(w), c, &star);
+  for (uint32_t n = star.warp_end; n < star.count; ++n) {
+    world_kill_spring(w, w->woven.spring_of[star.spring[n]]);
+    world_kill_spring(w, w->woven.spring_of[star.spring[n] + (uint32_t)w->params->shears]);
+  }
+}
+
+void crossing_set_left(fray_world *w, uint32_t c) {
+  if (crossing_state_at(w, c) == FRAY_CONNECTED) {
+    crossing_set_pending(w, c, 0);
+    crossing_set_state(w, c, FRAY_LOOSE);
+  }
+  FRAY_ASSERT(crossing_state_at(w, c) == FRAY_LOOSE);
+  write_state(w, c, w->woven.crossing_state[c] | (uint32_t)CROSSING_LEFT);
 }
 
 void crossing_set_state(fray_world *w, uint32_t c, fray_crossing_state to) {
@@ -194,10 +173,7 @@ void crossing_set_state(fray_world *w, uint32_t c, fray_crossing_state to) {
   ++*count_of(w, to);
   write_state(w, c, (w->woven.crossing_state[c] & (uint32_t)CROSSING_PENDING) | to);
   if (to != FRAY_DISCONNECTED) return;
-  yarn_grid_star star;
-  yarn_grid_springs_at(world_yarn_grid(w), c, &star);
-  for (uint32_t n = star.warp_end; n < star.count; ++n) {
-    world_kill_spring(w, w->woven.spring_of[star.spring[n]]);
-    world_kill_spring(w, w->woven.spring_of[star.spring[n] + (uint32_t)w->params->shears]);
-  }
+  const yarn_contact none = {{0, 0}, {0, 0, 0}, 0};
+  w->woven.contacts[crossing_contact(w, c)] = none;
+  crossing_release_diagonals(w, c);
 }

@@ -17,8 +17,8 @@
 #include "rt/state/world.h"
 
 /* The byte of a crossing: its fray_crossing_state; CROSSING_PENDING: to be split or loosened, once the split
- * budget of a tick allows it. */
-enum { CROSSING_STATE = 3, CROSSING_PENDING = 128 };
+ * budget of a tick allows it; CROSSING_LEFT: one yarn slid off the other, so it is to be disconnected. */
+enum { CROSSING_STATE = 3, CROSSING_LEFT = 64, CROSSING_PENDING = 128 };
 
 static inline fray_crossing_state crossing_state_at(const fray_world *w, uint32_t crossing) {
   return (fray_crossing_state)(w->woven.crossing_state[crossing] & CROSSING_STATE);
@@ -41,6 +41,11 @@ static inline int32_t particle_inverse_mass(const fray_world *w, uint32_t p) {
 static inline int32_t particle_free_inverse_mass(const fray_world *w, uint32_t p) {
   return p < particles_attached(w) ? 0 : particle_inverse_mass(w, p);
 }
+/* The contact of a split crossing (state/yarn_contact.h). */
+static inline uint32_t crossing_contact(const fray_world *w, uint32_t crossing) {
+  FRAY_ASSERT(crossing_state_at(w, crossing) != FRAY_WHOLE);
+  return w->woven.warp_particle[crossing] - (uint32_t)w->params->particles;
+}
 /* 1 iff the warp is over the weft: on the side of the normal along warp x along weft. */
 static inline int crossing_warp_over(const fray_world *w, uint32_t crossing) {
   const params *p = w->params;
@@ -54,17 +59,18 @@ static inline int crossing_warp_over(const fray_world *w, uint32_t crossing) {
 uint8_t crossing_spring_kind(const fray_world *w, uint32_t spring);
 /* The particles that a spring connects, by its canonical ends; either order. */
 void crossing_spring_ends(const fray_world *w, uint32_t spring, uint32_t *a, uint32_t *b);
-/* The normal of the cloth at a crossing, Q30 (section 3.3, figure 3a): the mean of the four triangles
- * around it, weighted by area. */
-vec3 crossing_normal(const fray_world *w, uint32_t crossing);
 
-/* Splits a whole crossing that is not attached, to the state `to` (equations 2 to 4): positions half a
- * thickness to both sides along the normal, velocities the same; springs go to their yarns (figure 5). The
- * sums of mass times position, remainder and velocity stay the same to the last bit. Returns 0 iff no spare
- * particle is left: then nothing changed. */
+/* Splits a whole crossing that is not attached, to the state `to`: both yarns where it was, with its
+ * velocity; springs go to their yarns (figure 5); their contact is at the crossing. The sums of mass times
+ * position, remainder and velocity stay the same to the last bit. Returns 0 iff no spare particle is left:
+ * then nothing changed. */
 int crossing_split(fray_world *w, uint32_t crossing, fray_crossing_state to);
 /* Changes the state of a split crossing to another; disconnecting releases the diagonals that end here. */
 void crossing_set_state(fray_world *w, uint32_t crossing, fray_crossing_state to);
+/* Kills the diagonals that end at a crossing. */
+void crossing_release_diagonals(fray_world *w, uint32_t crossing);
+/* Sets CROSSING_LEFT of a split crossing that is not disconnected, which is loose from now on. */
+void crossing_set_left(fray_world *w, uint32_t crossing);
 /* Sets CROSSING_PENDING iff pending, else clears it. */
 void crossing_set_pending(fray_world *w, uint32_t crossing, int pending);
 

@@ -24,14 +24,10 @@ typedef uint32_t index_t;
  * and has half its mass, SPRING_HALF_MASS with SPRING_HALF_I, SPRING_HALF_J or both. */
 enum { SPRING_DEAD = 0, SPRING_CLASS = 31, SPRING_HALF_J = 32, SPRING_HALF_I = 64, SPRING_HALF_MASS = 128 };
 
-/* Classes as the scene compiler numbers them; crossing_spring_kind() relies on it. A yarn that goes from
- * one side of the cloth to the other is longer than the cloth (crimp): CLASS_CRIMP is added once where the
- * ends of a link differ by half of the thickness, twice where by all of it. */
+/* Classes as the scene compiler numbers them; crossing_spring_kind() relies on it. */
 enum {
   CLASS_WEFT = 1, /* links and bend springs along wefts */
   CLASS_WARP = 2,
-  CLASS_CRIMP = 2,
-  CLASS_LINKS = CLASS_WARP + 2 * CLASS_CRIMP, /* the last class of links */
   CLASS_SHEAR = 3,
   CLASS_SHEAR_HALF = 4 /* one of the two springs of a diagonal with a split end */
 };
@@ -39,7 +35,7 @@ enum {
 /* Link directions are in units of 2^LINK_SHIFT position steps. */
 enum { LINK_SHIFT = 8, LINK_UNITS_MIN = 1024, LINK_UNITS_MAX = 8191 };
 
-/* A class of structural links, 1..CLASS_LINKS; class 0 is that of dead springs. R is the rest length in these
+/* A class of structural links, 1..CLASS_WARP; class 0 is that of dead springs. R is the rest length in these
  * units, LINK_UNITS_MIN..MAX. */
 typedef struct {
   int32_t rest;    /* Q24 lu */
@@ -59,7 +55,7 @@ static inline link_class link_class_make(int32_t rest, int32_t push) {
 
 /* Worlds with a shear lock have two classes more, of diagonals that get no shorter than R: CLASS_LOCK for
  * CLASS_SHEAR, the next for CLASS_SHEAR_HALF. What is longer counts as R, so nothing pulls. */
-enum { CLASS_LOCK = CLASS_LINKS + 1, CLASSES_WITH_LOCK = CLASS_LOCK + 2, LOCK_UNITS_MIN = 128 };
+enum { CLASS_LOCK = CLASS_WARP + 1, CLASSES_WITH_LOCK = CLASS_LOCK + 2, LOCK_UNITS_MIN = 128 };
 /* rest: Q24 lu, LOCK_UNITS_MIN to LINK_UNITS_MAX in units of 2^LINK_SHIFT. */
 static inline link_class link_class_of_lock(int32_t rest) {
   link_class c = link_class_make(rest, 4096);

@@ -21,6 +21,7 @@
 #include "rt/state/spring.h"
 #include "rt/state/self_pairs.h"
 #include "rt/state/trimesh.h"
+#include "rt/state/yarn_contact.h"
 #include "rt/state/yarn_elastic.h"
 #include "rt/state/yarn_grid.h"
 
@@ -49,6 +50,7 @@ typedef enum {
   POOLS_IN_HEADER,
   POOL_PATCHES = POOLS_IN_HEADER, /* of triangle self-collision, and pairs of these: by POOL_TRIANGLES */
   POOL_PATCH_PAIRS,
+  POOL_YARN_CONTACTS, /* crossings that can split: one a spare particle, in worlds with yarns */
   POOLS
 } pool_name;
 
@@ -57,19 +59,6 @@ typedef struct {
   uint32_t spring;
   uint32_t excess; /* Q16 of (length / length at threshold)^2 - 1 */
 } torn_spring;
-
-/* Couples of one colour, (warp + 2 weft) mod 5, share no particle, not even at the far ends of their
- * springs: five crossings each, and these tile the sheet. They slip by colour, in any order. */
-enum { SLIP_COLOURS = 5 };
-#define SLIP_LIST_END ((index_t)~0u)
-
-/* 1 where rt/simd has a kernel that takes couples: the values it reads of each are kept for a tick. */
-#if defined(__x86_64__) && defined(__SSE2__)
-#define SLIP_LISTED 1
-#else
-#define SLIP_LISTED 0
-#endif
-enum { SLIP_LIST_WORDS = 8 };
 
 /* Particles. Writers: integrate/ (positions, velocities, remainders), and every stage that moves them. */
 typedef struct {
@@ -110,16 +99,12 @@ typedef struct {
   uint8_t *crossing_state;         /* crossing -> fray_crossing_state, CROSSING_PENDING */
   index_t *warp_particle;          /* crossing -> particle of its warp */
   index_t *crossing_of;            /* particle -> crossing */
+  yarn_contact *contacts;          /* of split crossings, see yarn_contact.h */
   /* of one tick */
   torn_spring *tear_queue;
   uint32_t tear_count;
   uint32_t tears_waiting;
-  index_t *slip_next;              /* crossing -> the next of its colour, or SLIP_LIST_END */
-  uint32_t slip_head[SLIP_COLOURS];
-#if SLIP_LISTED
-  int32_t *slip_list;              /* SLIP_LIST_WORDS columns: crossings that a kernel takes */
-  uint32_t slip_list_from[SLIP_COLOURS + 1]; /* the first of a colour */
-#endif
+  yarn_contact_step *contact_steps; /* of a contact of yarns */
 } woven_state;
 
 /* The triangle cloth beside its mesh (model 2). Writer: membrane/. */

@@ -15,7 +15,9 @@ static void tear(fray_world *w) {
     crossing_split_apply(w);     /* 7 */
   }
   spring_tear_find(w);           /* 7 */
+  if (world_has_yarns(w)) yarn_slip_before_breaks(w);
   spring_break_apply(w);         /* 7 */
+  if (world_has_yarns(w)) yarn_slip_after_breaks(w);
   energy_stage(w, FRAY_ENERGY_TEARS);
   if (!world_has_yarn_collision(w)) return;
   yarn_collision_solve(w); /* 6 */
@@ -29,6 +31,7 @@ void tick_woven(fray_world *w) {
   energy_stage(w, FRAY_ENERGY_DRAG);
   bend_shear_apply(w); /* 1, 2: structural springs are projected instead */
   energy_springs(w);
+  if (world_has_yarns(w)) yarn_grip_update(w);
   contact_gather(w);
   if (world_has_yarn_collision(w)) yarn_collision_begin(w);
   for (uint32_t substep = 0; substep < substeps; ++substep) {
@@ -43,7 +46,7 @@ void tick_woven(fray_world *w) {
     energy_moves(w);
     strain_limit_apply(w);       /* 5 */
     energy_stage(w, FRAY_ENERGY_LIMITS);
-    if (world_has_yarns(w)) yarn_slip_apply(w, substep); /* 5 */
+    if (world_has_yarns(w) && !world_has_elastic_yarns(w)) yarn_slip_apply(w); /* 5 */
     energy_stage(w, FRAY_ENERGY_SLIP);
     contact_primitives_solve(w); /* 6 */
     if (world_has_rigid_meshes(w)) contact_vertices_solve(w); /* 6 */

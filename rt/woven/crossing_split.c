@@ -4,6 +4,7 @@
  * left, crossings stay whole, and their springs do not break. */
 #include "rt/state/crossing.h"
 #include "rt/woven/woven.h"
+#include "rt/woven/yarn_slip.h"
 
 __attribute__((noinline)) static void split_pending(fray_world *w, uint32_t crossing) {
   FRAY_ASSERT(crossing_state_at(w, crossing) == FRAY_WHOLE ||
@@ -11,7 +12,9 @@ __attribute__((noinline)) static void split_pending(fray_world *w, uint32_t cros
   crossing_set_pending(w, crossing, 0);
   if (crossing_state_at(w, crossing) == FRAY_CONNECTED) {
     crossing_set_state(w, crossing, FRAY_LOOSE);
-  } else if (!crossing_split(w, crossing, FRAY_LOOSE)) {
+  } else if (crossing_split(w, crossing, FRAY_LOOSE)) {
+    yarn_slip_begin(w, crossing_contact(w, crossing));
+  } else {
     world_fault(w, FRAY_FAULT_PARTICLES_FULL);
     return;
   }

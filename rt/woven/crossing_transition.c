@@ -74,11 +74,49 @@ __attribute__((noinline)) static void find_strained(fray_world *w) {
 
 /* bound: the squared distance from which a loose crossing disconnects. */
 static int is_apart(const fray_world *w, uint32_t c, uint64_t bound) {
-  yarn_slip_pair pair;
-  if (w->woven.yarn_constants->disconnect_by_particles != 0)
-    return vec_squared(vec_sub(world_position(w, w->woven.warp_particle[c]),
-                               world_position(w, w->woven.crossing_particle[c]))) > bound;
-  return !yarn_slip_closest(w, c, &pair) || vec_squared(yarn_slip_gap(w, &pair)) > bound;
+  const uint32_t n = crossing_contact(w, c);
+  yarn_touch touch;
+  if ((w->woven.crossing_state[c] & CROSSING_LEFT) != 0 || !yarn_slip_touch(w, n, &touch)) return 1;
+  const vec3 particles = vec_sub(world_position(w, w->woven.warp_particle[c]),
+                                 world_position(w, w->woven.crossing_particle[c]));
+  return vec_squared(w->woven.yarn_constants->disconnect_by_particles != 0 ? particles : touch.gap) > bound;
+}
+
+/* Half a spacing off its crossing a contact is none of the corners of four cells any more: from then on their
+ * diagonals, which would gain energy if it came back, are released. */
+static void release_slid(fray_world *w, uint32_t c) {
+  const yarn_contact *k = &w->woven.contacts[crossing_contact(w, c)];
+  const uint32_t warps = (uint32_t)w->params->warps;
+  const uint32_t home[2] = {yarn_place_of(c % warps), yarn_place_of(c / warps)};
+  for (uint32_t axis = 0; axis < 2; ++axis)
+    if (k->place[axis] - home[axis] + (uint32_t)YARN_SLIP_NEAR > 2u * (uint32_t)YARN_SLIP_NEAR)
+      crossing_release_diagonals(w, c);
+}
+
+/* Where a contact is pushed against a whole crossing by more than friction holds of itself, that one splits
+ * too: else the yarn would jam there. */
+static void mark_jammed(fray_world *w, uint32_t c) {
+  const uint32_t n = crossing_contact(w, c);
+  const yarn_contact_step *t = &w->woven.contact_steps[n];
+  for (uint32_t direction = 0; direction < 4; ++direction) {
+    const uint32_t neighbour = t->neighbour[direction];
+    if (neighbour == YARN_NEIGHBOUR_NONE || (neighbour & YARN_NEIGHBOUR_WHOLE) == 0) continue;
+    if (YARN_SLIP_NEAR - yarn_slip_distance(w, n, direction) <= t->limit[direction / 2u]) continue;
+    const uint32_t k = neighbour & (index_t)~YARN_NEIGHBOUR_WHOLE;
+    const uint32_t warps = (uint32_t)w->params->warps;
+    mark(w, direction < 2u ? c / warps * warps + k : k * warps + c % warps);
+  }
+}
+
+/* Beside split crossings: whole ones that carry more than friction holds. Of elastic yarns: projection knows
+ * a tension to a few percent of a yarn's strength only, which is more than most friction. */
+static void mark_sliding(fray_world *w, uint32_t c) {
+  const yarn_grid_neighbours around = yarn_grid_neighbours_at(world_yarn_grid(w), c);
+  for (uint32_t direction = 0; direction < 4; ++direction) {
+    const uint32_t next = around.next[direction];
+    if (w->woven.crossing_state[next] != FRAY_WHOLE || crossing_is_attached(w, next)) continue;
+    if (!yarn_grip_holds(w, next)) mark(w, next);
+  }
 }
 
 __attribute__((noinline)) static void find_apart(fray_world *w) {
@@ -87,7 +125,10 @@ __attribute__((noinline)) static void find_apart(fray_world *w) {
   for (uint32_t p = (uint32_t)w->params->particles; p < w->p.count; ++p) {
     const uint32_t c = w->woven.crossing_of[p];
     FRAY_ASSERT(c < w->capacity[POOL_CROSSINGS] && w->woven.warp_particle[c] == p);
+    if (world_has_elastic_yarns(w)) mark_sliding(w, c);
     if (crossing_state_at(w, c) != FRAY_LOOSE) continue;
+    release_slid(w, c);
+    if ((w->woven.crossing_state[c] & CROSSING_LEFT) == 0) mark_jammed(w, c);
     if (!is_apart(w, c, bound)) continue;
     if (left == 0) {
       world_fault(w, FRAY_FAULT_SPLIT_BUDGET);

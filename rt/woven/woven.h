@@ -15,18 +15,23 @@
 void damp_apply(fray_world *w);
 /* Bend and shear springs, explicit (section 3.2). Cost: linear in the springs that are not links. */
 void bend_shear_apply(fray_world *w);
+/* Finds the neighbours of the contacts of yarns, and what friction holds of each. Needs yarns. Cost: linear
+ * in the split crossings; neighbours are looked for over disconnected crossings, each of which is passed
+ * four times at most. */
+void yarn_grip_update(fray_world *w);
 
 /* Each substep. */
 
-/* Moves the particles of elastic yarns, instead of particles_advance(). Cost: elastic steps times (links +
- * particles). */
+/* Moves the particles of elastic yarns, instead of particles_advance(); slides their crossings in each second
+ * elastic step. Cost: elastic steps times (links + particles + split crossings). */
 void yarn_stretch_run(fray_world *w);
 /* Projects structural links (section 4.1), then diagonals shorter than a shear lock allows. Cost: iterations
  * times links, and diagonals of worlds with a lock. */
 void strain_limit_apply(fray_world *w);
-/* Keeps the yarns of split crossings a thickness apart (section 3.3). Substep 0 finds which crossings slip in
- * this tick. Needs yarns. Cost: linear in the split crossings. */
-void yarn_slip_apply(fray_world *w, uint32_t substep);
+/* Keeps the yarns of split crossings together and slides them along each other (instead of section 3.3's
+ * equation 1). Of elastic yarns yarn_stretch_run() calls it. Needs yarns. Cost: linear in the split
+ * crossings. */
+void yarn_slip_apply(fray_world *w);
 
 /* Once a tick, in the last substep, between collisions and velocities (step 7). */
 
@@ -39,6 +44,10 @@ void crossing_split_apply(fray_world *w);
 /* Fills the tear queue with springs over their tear strain. Cost: linear in the links, and the logarithm of
  * tears_max for each of those found. */
 void spring_tear_find(fray_world *w);
+/* Around breaks: contacts of yarns stay on what is left, and keep their force. Needs yarns. Cost: linear in
+ * the split crossings in a tick that breaks springs, else constant. */
+void yarn_slip_before_breaks(fray_world *w);
+void yarn_slip_after_breaks(fray_world *w);
 /* Breaks the springs of the queue, and releases bend and shear springs around them. Cost: linear in
  * tear_count. */
 void spring_break_apply(fray_world *w);

@@ -1,405 +1,285 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* SIMD twin: rt/simd/yarn_slip_lanes.inl.h, for the crossings that yarn_slip_list.c lists.
+/* The yarns of a split crossing slide over each other. Their contact has a place on each, u on the warp and
+ * v on the weft (yarn_curve.h), which goes from link to link, and keeps the two yarns together there:
  *
- * The yarns of a loose crossing slide over each other (Metaaphanon 2009, section 3.3, equation 1): of the
- * springs at its warp and its weft particle the closest pair is kept the cloth's thickness T apart. With
- * gap d, unit normal n from weft to warp and barycentric weights b of the closest points, the ends of the
- * warp's spring move by
+ *   g = x_warp(u) - x_weft(v) - offset;  k g on the weft, -k g on the warp, k = kappa (m / 2) / h^2
  *
- *   w_i b_i (T - d) / sum(w_k b_k^2) n
+ * A central force of equal and opposite parts, so momentum is exact and moments are kept to rounding.
+ * Both ways: yarns do not lift off each other.
  *
- * and those of the weft's spring by the opposite, where the inverse mass w is 2 for an end of half the
- * mass, 1 for a whole crossing and 0 for an attached one. As printed the equation lacks the sum, and
- * overshoots: at an end of both springs a gap of 2 T becomes 0.
+ * Friction: along each yarn, of direction d, the contact holds no more than its limit (yarn_grip.c). What is
+ * above it slides the place, by
  *
- * The gap's sign comes from the weave. A yarn that was pushed through its partner is put back, and its
- * predicted position moves with it, so that no velocity results. No crossing is moved by more than a
- * quarter of T in a substep: yarns farther off were torn away or thrown together, and would be shot back.
- * Friction removes as much of the slip in this substep, at the closest points, as Coulomb's law allows:
- * slip_friction times the correction that presses the yarns apart, and in addition crossing_friction, for
- * yarns that press each other at rest.
+ *   du = -(|e| - limit / k) sign(e) / |d|,  e = g . d / |d|
  *
- * Closest points are found in coarse units of 2^COARSE_BITS position steps: components are below 2^14, so
- * products and their sums fit 32 bits. Functions are kept out of line because small targets have no room
- * for copies. */
+ * which takes from g^2 and so from what the contact stores; |d| is taken as the spacing, so no root is
+ * needed. The warp slides first, the weft by what that left: both at once gain energy where yarns are
+ * nearly parallel. Order along a yarn is a spring of the same stiffness between places nearer than half a
+ * spacing: a potential of places alone, so that no particle feels it. It hands the load on to the next
+ * crossings.
+ *
+ * Energy: the impulse changes velocities by as much as the yarns part, so no contact makes any. What the
+ * gap asks for beyond that moves positions alone, those of projected yarns.
+ *
+ * A contact that slides off a yarn's end, or past a break, leaves at once: its force does not come back.
+ * What follows for its crossing comes at the end of the tick (crossing_transition.c).
+ *
+ * Elastic yarns: on velocities, and on where particles would be when contacts act next.
+ *
+ * All contacts are found from the positions and places at the beginning of the pass, then all are applied,
+ * so their order does not matter. Projections come before: what they did shows as gap. */
 #include "rt/woven/yarn_slip.h"
 
-#include "rt/base/coulomb.h"
-#include "rt/state/crossing.h"
 #include "rt/woven/woven.h"
 
-enum { COARSE_BITS = 8, COARSE_MAX = 16383 };
-#define NO_PARTICLE UINT32_MAX
+enum {
+  GAP_MAX = FX_LU / 4,          /* each component, Q24 lu */
+  SLIDE_MAX = YARN_PLACE_ONE / 4,
+  NEAR_STEP = YARN_SLIP_NEAR + YARN_PLACE_ONE / 20, /* places nearer than that slide a fifth of their way */
+  NEAREST = YARN_PLACE_ONE / 10, /* of the room down to this each of two neighbours takes half at most */
+  FAR = 4 * YARN_PLACE_ONE,     /* neighbours beyond it are as good as there */
+  FIFTH = 13107,                 /* Q16 */
+  INVERSE_BITS = 42
+};
 
-/* num / den in Q15, at most 1, both above 0: of the denominator the upper 16 bits, without its lowest 15. */
-static int32_t fraction_wide(int64_t num, int64_t den) {
-  FRAY_ASSERT(num > 0 && den > 0);
-  const int64_t whole = fx_asr64(num, 15);
-  const int64_t d = fx_asr64(den, 15);
-  if (whole >= d) return YARN_SLIP_ONE;
-  const unsigned bits = 64u - fx_leading_zeros64((uint64_t)d);
-  const unsigned down = bits > 16u ? bits - 16u : 0u;
-  const uint32_t n = (uint32_t)(down >= 15u ? whole >> (down - 15u) : whole << (15u - down));
-  return fx_min((int32_t)(n / (uint32_t)(d >> down)), YARN_SLIP_ONE);
-}
-
-/* The squared length of a spring, coarse, as a divisor of 16 bits. */
+/* Of a pass: by fray_axis 2^INVERSE_BITS / R^2, where R is the spacing in units of 2^LINK_SHIFT. */
 typedef struct {
-  int32_t whole;
-  uint32_t mantissa;
-  unsigned down; /* mantissa = whole >> down, 0..14 */
-} slip_divisor;
+  int32_t inverse[2];
+} slip_gains;
 
-static slip_divisor divisor_of(int32_t squared) {
-  const unsigned bits = 32u - (unsigned)__builtin_clz((uint32_t)squared | 1u);
-  const unsigned down = bits > 16u ? bits - 16u : 0u;
-  const slip_divisor d = {squared, (uint32_t)squared >> down, down};
-  return d;
+static yarn_line line_of(const fray_world *w, uint32_t n, uint32_t axis) {
+  return yarn_line_of(w, axis, w->woven.contact_steps[n].number[axis]);
 }
 
-/* (whole + low / 2^15) / d in Q15, clamped to 0..1. */
-static int32_t fraction(int32_t whole, uint32_t low, const slip_divisor *d) {
-  if (whole < 0 || d->whole == 0) return 0;
-  if (whole >= d->whole) return YARN_SLIP_ONE;
-  const uint32_t n = (uint32_t)whole << (15u - d->down) | low >> d->down;
-  return fx_min((int32_t)(n / d->mantissa), YARN_SLIP_ONE);
+static vec3 gap_of(const yarn_touch *touch, const yarn_contact *c) {
+  const vec3 apart = vec_sub(touch->spot[FRAY_WARP].at, touch->spot[FRAY_WEFT].at);
+  return vec_sub(vec_clamp(apart, GAP_MAX), vec_of(c->offset));
 }
 
-static vec3 coarse_difference(vec3 from, vec3 to) {
-  return vec_clamp(vec_round(vec_sub(to, from), COARSE_BITS), COARSE_MAX);
+static int spot_at(const fray_world *w, uint32_t n, uint32_t axis, uint32_t place, yarn_touch *touch) {
+  const yarn_line line = line_of(w, n, axis);
+  return yarn_spot_at(w, &line, place, &touch->spot[axis]);
 }
 
-/* The living springs at a split crossing, by direction (state/yarn_grid.h): 0 and 1 of its weft, 2 and 3 of
- * its warp. */
-typedef struct {
-  uint32_t warp, weft;     /* particles */
-  uint32_t end[4];         /* the particle at the far end of the spring, or NO_PARTICLE */
-  vec3 d[4];               /* from the crossing's particle to it, coarse; 0 of NO_PARTICLE */
-  slip_divisor squared[4]; /* |d|^2 */
-  int32_t d_apart[4];      /* d . apart */
-  vec3 apart;              /* from weft to warp, coarse */
-} slip_springs;
-
-/* Closest points of a warp spring a and a weft spring b, which begin r = apart from each other, by directions
- * (Ericson, Real-Time Collision Detection, 5.1.9): s along a, t along b, both Q15. Returns the squared gap,
- * coarse. */
-__attribute__((noinline)) static int32_t closest_points(const slip_springs *springs, uint32_t warp,
-                                                        uint32_t weft, int32_t *s, int32_t *t) {
-  const vec3 a = springs->d[warp];
-  const vec3 b = springs->d[weft];
-  const slip_divisor *aa = &springs->squared[warp];
-  const slip_divisor *bb = &springs->squared[weft];
-  const int32_t ab = vec_dot(a, b);
-  const int32_t ar = springs->d_apart[warp];
-  const int32_t br = springs->d_apart[weft];
-  const int64_t den = fx_mul_wide(aa->whole, bb->whole) - fx_mul_wide(ab, ab);
-  *s = 0;
-  if (den > 1 << 16) {
-    const int64_t num = fx_mul_wide(ab, br) - fx_mul_wide(ar, bb->whole);
-    *s = num <= 0 ? 0 : fraction_wide(num, den);
-  }
-  const int64_t along = fx_mul_wide(ab, *s) + (int64_t)br * YARN_SLIP_ONE;
-  *t = fraction((int32_t)fx_asr64(along, 15), (uint32_t)along & (YARN_SLIP_ONE - 1u), bb);
-  if (*t == 0 || *t == YARN_SLIP_ONE) *s = fraction((*t == 0 ? 0 : ab) - ar, 0, aa);
-  const vec3 slid = vec_asr(vec_sub(vec_mul(a, *s), vec_mul(b, *t)), 15);
-  const vec3 gap = vec_clamp(vec_add(springs->apart, slid), COARSE_MAX);
-  return vec_dot(gap, gap);
-}
-
-/* The point on the spring between ends `first` and first + 1: 0 of the warp, 2 of the weft. */
-__attribute__((noinline)) static vec3 point_on_spring(const fray_world *w, const yarn_slip_pair *pair,
-                                                      uint32_t first) {
-  return vec_lerp_q15(world_position(w, pair->particle[first]), world_position(w, pair->particle[first + 1u]),
-                      pair->weight[first + 1u]);
-}
-
-vec3 yarn_slip_gap(const fray_world *w, const yarn_slip_pair *pair) {
-  FRAY_ASSERT(pair->weight[0] + pair->weight[1] == YARN_SLIP_ONE);
-  FRAY_ASSERT(pair->weight[2] + pair->weight[3] == YARN_SLIP_ONE);
-  return vec_sub(point_on_spring(w, pair, 0), point_on_spring(w, pair, 2));
-}
-
-typedef struct {
-  int32_t inverse_mass[4];
-  int32_t fraction[4]; /* of the displacement, Q15, by which an end moves; attached: as if of half a mass */
-  int32_t sum;         /* of inverse_mass b^2, Q15 */
-  uint32_t last;       /* the end that compensates rounding: the one that moves most */
-} slip_weights;
-
-/* Returns 0 iff no end is free to move. */
-__attribute__((noinline)) static int find_weights(const fray_world *w, const yarn_slip_pair *pair,
-                                                  slip_weights *k) {
-  k->sum = 0;
-  k->last = 0;
-  for (uint32_t n = 0; n < 4; ++n) {
-    k->inverse_mass[n] = particle_free_inverse_mass(w, pair->particle[n]);
-    k->sum += k->inverse_mass[n] * fx_asr(pair->weight[n] * (pair->weight[n] / 2), 14);
-    if (k->inverse_mass[n] * pair->weight[n] > k->inverse_mass[k->last] * pair->weight[k->last]) k->last = n;
-  }
-  if (k->sum < YARN_SLIP_ONE / 8) return 0;
-  for (uint32_t n = 0; n < 4; ++n) {
-    const int32_t inverse_mass = k->inverse_mass[n] != 0 ? k->inverse_mass[n] : 2;
-    k->fraction[n] = (int32_t)(((uint32_t)(pair->weight[n] * inverse_mass) << 15) / (uint32_t)k->sum);
-  }
+static int touch_at(const fray_world *w, uint32_t n, const uint32_t place[2], yarn_touch *touch) {
+  for (uint32_t axis = 0; axis < 2; ++axis)
+    if (!spot_at(w, n, axis, place[axis], touch)) return 0;
+  touch->gap = gap_of(touch, &w->woven.contacts[n]);
   return 1;
 }
 
-/* num / den rounded, den > 0. */
-static int32_t quotient(int32_t num, int32_t den) {
-  const int32_t n = fx_clamp(num, -(1 << 30), 1 << 30);
-  return n < 0 ? -((-n + den / 2) / den) : (n + den / 2) / den;
+int yarn_slip_touch(const fray_world *w, uint32_t n, yarn_touch *touch) {
+  FRAY_ASSERT(n < (uint32_t)w->woven.yarn_counts->split);
+  return touch_at(w, n, w->woven.contacts[n].place, touch);
 }
 
-/* One axis: how far each end moves outwards, `moved` of free ends, `attached` of attached ones. Returns the
- * momentum of the warp's spring less that of the weft's, in half crossings times position steps. */
-static int32_t find_moves(const yarn_slip_pair *pair, const slip_weights *k, int32_t by, int32_t moved[4],
-                          int32_t attached[4]) {
-  int32_t missing = fx_wrap_shift(by, 15); /* the sum may wrap, what is left of it is small */
-  int32_t surplus = 0;
-  for (uint32_t n = 0; n < 4; ++n) {
-    const int32_t step = fx_mul_round(by, k->fraction[n], 15);
-    moved[n] = k->inverse_mass[n] != 0 ? step : 0;
-    attached[n] = k->inverse_mass[n] != 0 ? 0 : step;
-    missing = fx_wrap_sub(missing, fx_wrap_mul(moved[n], pair->weight[n]));
-  }
-  moved[k->last] += quotient(missing, pair->weight[k->last]);
-  for (uint32_t n = 0; n < 4; ++n) {
-    const int32_t momentum = moved[n] * (k->inverse_mass[n] == 1 ? 2 : 1) + attached[n];
-    surplus += n < 2 ? momentum : -momentum;
-  }
-  return surplus;
+int32_t yarn_slip_distance(const fray_world *w, uint32_t n, uint32_t direction) {
+  const index_t neighbour = w->woven.contact_steps[n].neighbour[direction];
+  const uint32_t axis = direction / 2u;
+  const uint32_t place = w->woven.contacts[n].place[axis];
+  const int on = (direction & 1u) != 0;
+  if (neighbour == YARN_NEIGHBOUR_NONE) return FAR;
+  const int whole = (neighbour & YARN_NEIGHBOUR_WHOLE) != 0;
+  const uint32_t k = neighbour & (index_t)~YARN_NEIGHBOUR_WHOLE;
+  const uint32_t other = whole ? yarn_place_of(k) : w->woven.contacts[k].place[axis];
+  const uint32_t from = on ? place : other;
+  const uint32_t to = on ? other : place;
+  if (to <= from) return 0;
+  return to - from < (uint32_t)FAR ? (int32_t)(to - from) : FAR;
 }
 
-typedef struct {
-  int32_t *x, *q, *v; /* position, predicted position, velocity of particles: one component */
-} axis_view;
-
-/* What rounding left of the momentum, body impulses included, goes to the velocity of the last end. */
-__attribute__((noinline)) static void move_axis(fray_world *w, const yarn_slip_pair *pair,
-                                                const slip_weights *k, const axis_view *of, int32_t by,
-                                                uint32_t axis, int keep_velocity) {
-  int32_t moved[4];
-  int32_t attached[4];
-  const int32_t surplus = find_moves(pair, k, by, moved, attached);
-  for (uint32_t n = 0; n < 4; ++n) {
-    const uint32_t p = pair->particle[n];
-    const int32_t step = n < 2 ? moved[n] : -moved[n];
-    if (k->inverse_mass[n] != 0) of->x[p] = fx_add(of->x[p], step);
-    if (k->inverse_mass[n] != 0 && keep_velocity)
-      of->q[p] = fx_clamp(fx_add(of->q[p], step), -FX_WORLD_MAX, FX_WORLD_MAX);
-    if (k->inverse_mass[n] == 0 && !keep_velocity) {
-      int64_t *impulse = &w->rigid.motion[w->p.attach_body[p]].impulse[axis];
-      *impulse = fx_add64(*impulse, (int64_t)(n < 2 ? -attached[n] : attached[n]) * (1 << (FX_SUB_BITS - 1)));
-    }
-  }
-  if (keep_velocity) return;
-  const uint32_t last = k->last;
-  const int32_t unit = k->inverse_mass[last] == 2 ? 1 << FX_SUB_BITS : 1 << (FX_SUB_BITS - 1);
-  of->v[pair->particle[last]] = fx_add_saturated(of->v[pair->particle[last]], -surplus * unit);
+/* By how much the place on a yarn slides, Q20 spacings; pull: what the gap asks for. */
+static int32_t slide_of(const fray_world *w, uint32_t n, uint32_t axis, int32_t pull) {
+  const yarn_contact_step *t = &w->woven.contact_steps[n];
+  const int32_t behind = yarn_slip_distance(w, n, 2u * axis);
+  const int32_t ahead = yarn_slip_distance(w, n, 2u * axis + 1u);
+  const int32_t drive =
+      pull - fx_max(YARN_SLIP_NEAR - ahead, 0) + fx_max(YARN_SLIP_NEAR - behind, 0);
+  const int32_t over = (int32_t)fx_magnitude(drive) - t->limit[axis];
+  if (over <= 0) return 0;
+  const int32_t room = ((drive > 0 ? ahead : behind) - NEAREST) / 2;
+  const int is_near = ahead < NEAR_STEP || behind < NEAR_STEP;
+  const int32_t wanted = is_near ? (int32_t)(fx_mul_wide(over, FIFTH) >> 16) : over;
+  const int32_t by = fx_max(fx_min(fx_min(wanted, SLIDE_MAX), room), 0);
+  return drive > 0 ? by : -by;
 }
 
-int yarn_slip_move(fray_world *w, const yarn_slip_pair *pair, vec3 by, int keep_velocity) {
-  FRAY_ASSERT(pair->weight[0] + pair->weight[1] == YARN_SLIP_ONE);
-  FRAY_ASSERT(pair->weight[2] + pair->weight[3] == YARN_SLIP_ONE);
-  slip_weights k;
-  if (!find_weights(w, pair, &k)) return 0;
-  const axis_view x = {w->p.x, w->p.qx, w->p.vx};
-  const axis_view y = {w->p.y, w->p.qy, w->p.vy};
-  const axis_view z = {w->p.z, w->p.qz, w->p.vz};
-  move_axis(w, pair, &k, &x, by.x, 0, keep_velocity);
-  move_axis(w, pair, &k, &y, by.y, 1, keep_velocity);
-  move_axis(w, pair, &k, &z, by.z, 2, keep_velocity);
+/* g . d / |d|^2 in Q20 spacings: what slides until the contact has no force along the yarn. */
+static int32_t pull_along(const slip_gains *k, const yarn_touch *touch, uint32_t axis) {
+  const vec3 along = vec_clamp(touch->spot[axis].along, GAP_MAX);
+  const int32_t dot = (int32_t)fx_round64(vec_dot64(touch->gap, along), 16);
+  const int32_t pull = fx_mul_round(dot, k->inverse[axis], INVERSE_BITS - YARN_PLACE_BITS);
+  return axis == (uint32_t)FRAY_WARP ? -pull : pull;
+}
+
+/* Slides along one yarn. Returns 0 iff the contact leaves. */
+static int slide_along(const fray_world *w, const slip_gains *k, uint32_t n, uint32_t axis,
+                       yarn_touch *touch) {
+  yarn_contact_step *t = &w->woven.contact_steps[n];
+  const yarn_spot *spot = &touch->spot[axis];
+  const int32_t by = slide_of(w, n, axis, pull_along(k, touch, axis));
+  if (by == 0) return 1;
+  const int32_t past = yarn_place_past(t->next[axis]) + by;
+  if (past < -YARN_PLACE_BEYOND && (spot->goes & YARN_GOES_BACK) == 0) return 0;
+  if (past > YARN_PLACE_BEYOND && (spot->goes & YARN_GOES_ON) == 0) return 0;
+  t->next[axis] += (uint32_t)by;
+  if (!spot_at(w, n, axis, t->next[axis], touch)) return 0;
+  touch->gap = gap_of(touch, &w->woven.contacts[n]);
   return 1;
 }
 
-__attribute__((noinline)) static void find_springs(const fray_world *w, uint32_t c, slip_springs *s) {
-  FRAY_ASSERT(c < w->capacity[POOL_CROSSINGS] && crossing_state_at(w, c) != FRAY_WHOLE);
-  s->warp = w->woven.warp_particle[c];
-  s->weft = w->woven.crossing_particle[c];
-  const vec3 at[2] = {world_position(w, s->weft), world_position(w, s->warp)};
-  s->apart = coarse_difference(at[0], at[1]);
-  const yarn_grid_neighbours around = yarn_grid_neighbours_at(world_yarn_grid(w), c);
-  for (uint32_t direction = 0; direction < 4; ++direction) {
-    const uint32_t next = around.next[direction];
-    const uint32_t link = around.link[direction];
-    s->end[direction] = NO_PARTICLE;
-    s->d[direction] = vec_make(0, 0, 0);
-    if (next == c || w->woven.spring_kind[w->woven.spring_of[link]] == SPRING_DEAD) continue;
-    s->end[direction] = direction < 2 ? w->woven.crossing_particle[next] : w->woven.warp_particle[next];
-    s->d[direction] = coarse_difference(at[direction / 2u], world_position(w, s->end[direction]));
-    s->squared[direction] = divisor_of(vec_dot(s->d[direction], s->d[direction]));
-    s->d_apart[direction] = vec_dot(s->d[direction], s->apart);
-  }
-}
-
-/* The closest of up to four pairs; 0 where one yarn has no spring left here. */
-static int closest_pair(const slip_springs *s, yarn_slip_pair *pair) {
-  int32_t closest = INT32_MAX;
-  for (uint32_t warp = 2; warp < 4; ++warp)
-    for (uint32_t weft = 0; weft < 2; ++weft) {
-      int32_t on_warp;
-      int32_t on_weft;
-      if (s->end[warp] == NO_PARTICLE || s->end[weft] == NO_PARTICLE) continue;
-      const int32_t squared = closest_points(s, warp, weft, &on_warp, &on_weft);
-      if (squared >= closest) continue;
-      closest = squared;
-      pair->particle[0] = s->warp;
-      pair->particle[1] = s->end[warp];
-      pair->particle[2] = s->weft;
-      pair->particle[3] = s->end[weft];
-      pair->weight[0] = YARN_SLIP_ONE - on_warp;
-      pair->weight[1] = on_warp;
-      pair->weight[2] = YARN_SLIP_ONE - on_weft;
-      pair->weight[3] = on_weft;
-    }
-  return closest != INT32_MAX;
-}
-
-int yarn_slip_closest(const fray_world *w, uint32_t crossing, yarn_slip_pair *pair) {
-  FRAY_ASSERT(world_has_yarns(w) && crossing < w->capacity[POOL_CROSSINGS]);
-  slip_springs springs;
-  find_springs(w, crossing, &springs);
-  return closest_pair(&springs, pair);
-}
-
-/* Half of b - a: the direction of a yarn through a crossing, from the springs before and after it. */
-static vec3 half_difference(vec3 a, vec3 b) { return vec_asr(vec_sub(b, a), 1); }
-
-/* The direction in which the weave puts the warp: along warp x weft or against it. */
-static vec3 warp_side(const fray_world *w, const slip_springs *s, uint32_t c) {
-  const vec3 a = half_difference(s->d[2], s->d[3]);
-  const vec3 b = half_difference(s->d[0], s->d[1]);
-  const int over = crossing_warp_over(w, c);
-  return vec_cross(over ? a : b, over ? b : a);
-}
-
-/* v / |v| in Q30, v not 0; and |v|. */
-__attribute__((noinline)) static vec3 unit_vector(vec3 v, uint64_t squared, int32_t *length) {
-  FRAY_ASSERT(squared != 0);
-  const fx_root root = fx_rsqrt(squared, FX_ROOT_FINE);
-  *length = (int32_t)fx_root_length(root);
-  return vec_root_unit(root, v);
-}
-
-__attribute__((noinline)) static vec3 scale_unit(vec3 unit, int32_t length) {
-  return vec_scale_unit(unit, length);
-}
-
-/* vec_limited() out of line: v, made shorter iff it is longer than `limit`. */
-static vec3 limited(vec3 v, int32_t limit) {
-  const uint64_t squared = vec_squared(v);
-  int32_t length;
-  if (squared <= fx_square(limit)) return v;
-  return scale_unit(unit_vector(v, squared, &length), limit);
-}
-
-/* The displacement of a particle in this substep, Q24 lu: its step, and what projections have added. */
-__attribute__((noinline)) static vec3 displacement(const fray_world *w, uint32_t p) {
+/* What a particle has moved in this substep, Q24 lu: by its velocity and by projections. Elastic yarns:
+ * between two passes. */
+static vec3 displacement(const fray_world *w, uint32_t p) {
+  if (world_has_elastic_yarns(w))
+    return vec_clamp_rare(vec_round(world_velocity(w, p), FX_SUB_BITS + yarn_slip_bits(w)), GAP_MAX);
   const vec3 since = vec_sub(world_position(w, p), vec_at(w->p.qx, w->p.qy, w->p.qz, p));
-  return vec_add(vec_round(world_velocity(w, p), FX_SUB_BITS), since);
+  return vec_clamp_rare(vec_add(vec_round(world_velocity(w, p), FX_SUB_BITS), since), GAP_MAX);
 }
 
-/* The slip at the closest points that friction removes; pressed: length of the correction that separates
- * them. */
-static vec3 friction(const fray_world *w, const yarn_slip_pair *pair, vec3 normal, int32_t pressed) {
-  FRAY_ASSERT(pressed >= 0);
-  vec64 sum = {0, 0, 0};
-  for (uint32_t n = 0; n < 4; ++n) {
-    const int32_t b = n < 2 ? pair->weight[n] : -pair->weight[n];
-    sum = vec_add64(sum, vec_scale64(displacement(w, pair->particle[n]), b));
+/* The middle one's weight is what the two others leave. */
+static int32_t middle_weight(const yarn_spot *spot) {
+  return YARN_PLACE_ONE - spot->weight[0] - spot->weight[1];
+}
+
+/* Of one yarn along the gap: how far it moved in this substep, and by how much an impulse moves it. */
+typedef struct {
+  int64_t moved; /* of along . displacement / 2^8, Q20 */
+  int32_t gives; /* sum of b^2 by inverse masses, Q20: 1 for half a crossing's mass */
+} slip_motion;
+
+static slip_motion motion_at(const fray_world *w, const yarn_spot *spot, vec3 along) {
+  const int32_t b[3] = {spot->weight[0], middle_weight(spot), spot->weight[1]};
+  slip_motion m = {0, 0};
+  for (uint32_t n = 0; n < 3; ++n) {
+    const uint32_t p = spot->particle[n];
+    if (b[n] == 0) continue;
+    m.moved += fx_mul_wide((int32_t)fx_asr64(vec_dot64(along, displacement(w, p)), 8), b[n]);
+    m.gives += fx_mul_round(b[n], b[n], YARN_PLACE_BITS + 1) * particle_free_inverse_mass(w, p);
   }
-  const vec3 relative = vec_round_saturated(sum, 15);
-  const vec3 slip = vec_sub(relative, scale_unit(normal, vec_dot_unit(relative, normal)));
-  return limited(slip, coulomb_limit(pressed, w->woven.yarn_constants->slip_friction,
-                                     w->woven.yarn_constants->crossing_friction));
+  return m;
 }
 
-/* 1 iff the warp is on the wrong side of the weft. Only where both yarns go on in both directions and cross
- * at more than 30 degrees: the end of a yarn may lie on either side of the other yarn. */
-static int is_through(const slip_springs *s, vec3 gap, vec3 side) {
-  if (vec_dot64(gap, side) >= 0) return 0;
-  for (uint32_t direction = 0; direction < 4; ++direction)
-    if (s->end[direction] == NO_PARTICLE) return 0;
-  const vec3 a = half_difference(s->d[2], s->d[3]);
-  const vec3 b = half_difference(s->d[0], s->d[1]);
-  return vec_squared(side) / 4u > (uint64_t)fx_mul_wide(vec_dot(a, a) / 4, vec_dot(b, b) / 4);
+/* v in 14 bits: its direction, for products that fit. */
+static vec3 coarse_direction(vec3 v) {
+  const int bits = 32 - __builtin_clz(vec_span(v) | 1u);
+  return bits > 14 ? vec_asr(v, (unsigned)(bits - 14)) : vec_mul(v, 1 << (14 - bits));
 }
 
-void yarn_slip_crossing(fray_world *w, uint32_t c) {
-  FRAY_ASSERT(crossing_state_at(w, c) == FRAY_LOOSE);
-  yarn_slip_pair pair;
-  slip_springs springs;
-  find_springs(w, c, &springs);
-  if (!closest_pair(&springs, &pair)) return;
-  const int32_t thickness = w->params->thickness;
-  const vec3 gap = yarn_slip_gap(w, &pair);
-  const uint64_t gap_squared = vec_squared(gap);
-  const vec3 side = warp_side(w, &springs, c);
-  const int32_t by_max = thickness / 4;
-  const int touching = gap_squared < fx_square(thickness / 16 + 1); /* too close for a normal of the gap */
-  const vec3 from = touching ? side : gap;
-  const uint64_t squared = touching ? vec_squared(side) : gap_squared;
-  if (squared == 0) return;
-  int32_t length;
-  const vec3 normal = unit_vector(from, squared, &length);
-  const int through = !touching && is_through(&springs, gap, side);
-  const int keep_velocity = touching || through;
-  const int32_t by = touching ? by_max : through ? -by_max : fx_clamp(thickness - length, -by_max, by_max);
-  vec3 correction = scale_unit(normal, by);
-  const yarn_params *yarns = w->woven.yarn_constants;
-  if (!keep_velocity && (yarns->slip_friction | yarns->crossing_friction) != 0)
-    correction = vec_sub(correction, friction(w, &pair, normal, (int32_t)fx_magnitude(by)));
-  yarn_slip_move(w, &pair, correction, keep_velocity);
+/* The part of the impulse, Q15, that may change velocities: as much as stops the yarns from parting, so that
+ * no contact makes energy. The force of elastic yarns comes in halves before and behind this pass: so much
+ * as turns their velocity round. */
+static int32_t braking_part(const fray_world *w, const yarn_touch *touch) {
+  const vec3 along = coarse_direction(touch->gap);
+  const slip_motion warp = motion_at(w, &touch->spot[FRAY_WARP], along);
+  const slip_motion weft = motion_at(w, &touch->spot[FRAY_WEFT], along);
+  const int64_t parting = (warp.moved - weft.moved) * (world_has_elastic_yarns(w) ? 2 : 1);
+  const int32_t given = fx_mul_round(warp.gives + weft.gives, YARN_SLIP_KAPPA, YARN_SLIP_KAPPA_BITS);
+  const int64_t stops = fx_mul_wide((int32_t)fx_asr64(vec_dot64(along, touch->gap), 8), given);
+  if (parting <= 0) return 0;
+  if (parting >= stops) return 1 << 15;
+  const unsigned bits = 64u - fx_leading_zeros64((uint64_t)stops);
+  const unsigned down = bits > 31u ? bits - 31u : 0u;
+  return (int32_t)fx_divide_wide((uint64_t)(parting >> down) << 15, (uint32_t)(stops >> down));
 }
 
-/* Connected crossings of all-yarn cloth (section 6): warp and weft particle are bound, a thickness apart. */
-__attribute__((noinline)) static void bind_particles(fray_world *w, uint32_t c) {
-  slip_springs springs;
-  find_springs(w, c, &springs);
-  const yarn_slip_pair pair = {{springs.warp, springs.warp, springs.weft, springs.weft},
-                               {YARN_SLIP_ONE, 0, YARN_SLIP_ONE, 0}};
-  const vec3 side = warp_side(w, &springs, c);
-  const uint64_t squared = vec_squared(side);
-  if (squared == 0) return;
-  int32_t length;
-  const vec3 wanted_gap = scale_unit(unit_vector(side, squared, &length), w->params->thickness);
-  const vec3 by = vec_sub(wanted_gap, yarn_slip_gap(w, &pair));
-  yarn_slip_move(w, &pair, limited(by, w->params->thickness), 0);
-}
-
-/* Lists the crossings that slip in this tick, by colour: split ones that are not disconnected. */
-__attribute__((noinline)) static void find_slipping(fray_world *w) {
-  const uint32_t warps = (uint32_t)w->params->warps;
-  for (uint32_t n = 0; n < SLIP_COLOURS; ++n) w->woven.slip_head[n] = SLIP_LIST_END;
-  for (uint32_t p = (uint32_t)w->params->particles; p < w->p.count; ++p) {
-    const uint32_t c = w->woven.crossing_of[p];
-    FRAY_ASSERT(c < w->capacity[POOL_CROSSINGS] && crossing_state_at(w, c) != FRAY_WHOLE);
-    if (crossing_state_at(w, c) == FRAY_DISCONNECTED) continue;
-    uint32_t *head = &w->woven.slip_head[(c - c / warps * (warps - 2u)) % SLIP_COLOURS];
-    w->woven.slip_next[c] = (index_t)*head;
-    *head = c;
+static void find_impulse(fray_world *w, const slip_gains *k, uint32_t n) {
+  yarn_contact_step *t = &w->woven.contact_steps[n];
+  const uint32_t c = yarn_contact_crossing(w, n);
+  yarn_touch touch;
+  t->next[FRAY_WEFT] = w->woven.contacts[n].place[FRAY_WEFT];
+  t->next[FRAY_WARP] = w->woven.contacts[n].place[FRAY_WARP];
+  int stays = touch_at(w, n, t->next, &touch);
+  if (stays && crossing_state_at(w, c) == FRAY_LOOSE)
+    stays = slide_along(w, k, n, FRAY_WARP, &touch) && slide_along(w, k, n, FRAY_WEFT, &touch);
+  if (!stays) {
+    crossing_set_left(w, c);
+    return;
   }
+  const vec3 asked = vec_make(fx_mul_round(touch.gap.x, YARN_SLIP_KAPPA, YARN_SLIP_KAPPA_BITS),
+                              fx_mul_round(touch.gap.y, YARN_SLIP_KAPPA, YARN_SLIP_KAPPA_BITS),
+                              fx_mul_round(touch.gap.z, YARN_SLIP_KAPPA, YARN_SLIP_KAPPA_BITS));
+  const vec3 braking = vec_scale_q15(asked, braking_part(w, &touch));
+  vec_store(t->impulse, braking);
+  vec_store(t->quiet, world_has_elastic_yarns(w) ? vec_make(0, 0, 0) : vec_sub(asked, braking));
 }
 
-void yarn_slip_apply(fray_world *w, uint32_t substep) {
+/* One component of a particle; `half` in half crossings x Q24 lu. What is no whole step of a whole one goes
+ * to its velocity. Elastic yarns move by velocities alone. */
+static void push_axis(int32_t *x, int32_t *v, int32_t inverse_mass, int32_t unit, int is_elastic,
+                      int32_t half) {
+  const int32_t step = is_elastic ? 0 : inverse_mass == 2 ? half : half / 2;
+  const int32_t rest = inverse_mass == 2 ? half - step : half - 2 * step;
+  *x = fx_add(*x, step);
+  if (rest != 0) *v = fx_add_saturated(*v, rest * inverse_mass * unit);
+}
+
+static void push_particle(fray_world *w, uint32_t p, vec3 half) {
+  const int32_t inverse_mass = particle_free_inverse_mass(w, p);
+  const int is_elastic = world_has_elastic_yarns(w);
+  const int32_t unit = 1 << (FX_SUB_BITS - 1 + yarn_slip_bits(w)); /* of momentum, Q28 */
+  if (inverse_mass == 0) {
+    body_add_impulse(&w->rigid.motion[w->p.attach_body[p]], vec_scale64(half, -unit));
+    return;
+  }
+  push_axis(&w->p.x[p], &w->p.vx[p], inverse_mass, unit, is_elastic, half.x);
+  push_axis(&w->p.y[p], &w->p.vy[p], inverse_mass, unit, is_elastic, half.y);
+  push_axis(&w->p.z[p], &w->p.vz[p], inverse_mass, unit, is_elastic, half.z);
+}
+
+/* As far as push_particle() would, with its predicted position. */
+static void move_particle(fray_world *w, uint32_t p, vec3 half) {
+  const int32_t inverse_mass = particle_free_inverse_mass(w, p);
+  const vec3 by = inverse_mass == 2 ? half : vec_round(half, 1);
+  if (inverse_mass == 0) return;
+  vec_add_at(w->p.x, w->p.y, w->p.z, p, by);
+  vec_add_at(w->p.qx, w->p.qy, w->p.qz, p, by);
+}
+
+static vec3 share_of(vec3 v, int32_t weight) {
+  return vec_make(fx_mul_round(v.x, weight, YARN_PLACE_BITS), fx_mul_round(v.y, weight, YARN_PLACE_BITS),
+                  fx_mul_round(v.z, weight, YARN_PLACE_BITS));
+}
+
+/* half: of the yarn, which changes its momentum; quiet: what does not. */
+static void push_yarn(fray_world *w, uint32_t n, uint32_t axis, vec3 half, vec3 quiet) {
+  const yarn_line line = line_of(w, n, axis);
+  yarn_spot spot;
+  if (!yarn_spot_find(w, &line, w->woven.contacts[n].place[axis], &spot)) return;
+  const vec3 before = share_of(half, spot.weight[0]);
+  const vec3 after = share_of(half, spot.weight[1]);
+  if (spot.weight[0] != 0) push_particle(w, spot.particle[0], before);
+  push_particle(w, spot.particle[1], vec_sub(vec_sub(half, before), after));
+  if (spot.weight[1] != 0) push_particle(w, spot.particle[2], after);
+  if (vec_span(quiet) == 0) return;
+  if (spot.weight[0] != 0) move_particle(w, spot.particle[0], share_of(quiet, spot.weight[0]));
+  move_particle(w, spot.particle[1], share_of(quiet, middle_weight(&spot)));
+  if (spot.weight[1] != 0) move_particle(w, spot.particle[2], share_of(quiet, spot.weight[1]));
+}
+
+static void apply_impulse(fray_world *w, uint32_t n) {
+  const yarn_contact_step *t = &w->woven.contact_steps[n];
+  const vec3 half = vec_of(t->impulse);
+  const vec3 quiet = vec_of(t->quiet);
+  w->woven.contacts[n].place[FRAY_WEFT] = t->next[FRAY_WEFT];
+  w->woven.contacts[n].place[FRAY_WARP] = t->next[FRAY_WARP];
+  push_yarn(w, n, FRAY_WEFT, half, quiet);
+  push_yarn(w, n, FRAY_WARP, vec_negated(half), vec_negated(quiet));
+}
+
+static int32_t inverse_of(const fray_world *w, uint32_t class) {
+  return (int32_t)fx_divide_wide((uint64_t)1 << INVERSE_BITS, (uint32_t)w->woven.link_classes[class].r2);
+}
+
+void yarn_slip_apply(fray_world *w) {
   FRAY_ASSERT(world_has_yarns(w));
-  FRAY_ASSERT(substep < (uint32_t)w->params->substeps);
-  if (substep == 0) {
-    find_slipping(w);
-#if SLIP_LISTED
-    yarn_slip_list_fill(w);
-#endif
-  }
-  for (uint32_t n = 0; n < SLIP_COLOURS; ++n) {
-#if SLIP_LISTED
-    yarn_slip_list_solve(w, n);
-#endif
-    for (uint32_t c = w->woven.slip_head[n]; c != SLIP_LIST_END; c = w->woven.slip_next[c]) {
-      if (crossing_state_at(w, c) == FRAY_LOOSE)
-        yarn_slip_crossing(w, c);
-      else
-        bind_particles(w, c);
-      ++w->work.slips;
-    }
+  const uint32_t contacts = (uint32_t)w->woven.yarn_counts->split;
+  const slip_gains k = {{inverse_of(w, CLASS_WEFT), inverse_of(w, CLASS_WARP)}};
+  for (uint32_t n = 0; n < contacts; ++n)
+    if (yarn_contact_acts(w, n)) find_impulse(w, &k, n);
+  for (uint32_t n = 0; n < contacts; ++n) {
+    if (!yarn_contact_acts(w, n)) continue;
+    apply_impulse(w, n);
+    ++w->work.slips;
   }
 }

@@ -21,6 +21,7 @@
 #include "rt/state/crossing.h"
 #include "rt/woven/woven.h"
 #include "rt/woven/woven_links.h"
+#include "rt/woven/yarn_slip.h"
 
 enum {
   STRETCH_DV_MAX = 1 << 27, /* one link, one pass: four ends of whole mass or two of half, twice, fit */
@@ -176,6 +177,13 @@ static int32_t gravity_part(int32_t gravity, int32_t step, unsigned bits) {
   return fx_asr(gravity * (step + 1), bits) - fx_asr(gravity * step, bits);
 }
 
+/* Contacts of yarns, on velocities. */
+static void slide_crossings(fray_world *w) {
+  energy_stage(w, FRAY_ENERGY_STEPS);
+  yarn_slip_apply(w);
+  energy_stage(w, FRAY_ENERGY_SLIP);
+}
+
 void yarn_stretch_run(fray_world *w) {
   FRAY_ASSERT(world_has_elastic_yarns(w) && !world_has_membrane(w));
   FRAY_ASSERT(w->woven.elastic_params->steps_bits <= YARN_ELASTIC_STEPS_BITS);
@@ -186,6 +194,7 @@ void yarn_stretch_run(fray_world *w) {
   const unsigned bits = (unsigned)w->woven.elastic_params->steps_bits;
   const vec3 g = w->gravity_step;
   int32_t *const *rounding = w->p.rounding; /* until the predicted positions are written, at the end */
+  const int32_t slip_every = 1 << (bits - yarn_slip_bits(w));
   uint32_t at_edge = 0;
   begin_axis(w, 0, w->p.vx, rounding[0], w->p.rx);
   begin_axis(w, 1, w->p.vy, rounding[1], w->p.ry);
@@ -198,6 +207,7 @@ void yarn_stretch_run(fray_world *w) {
     at_edge |= advance_axis(w->p.x, rounding[0], w->p.vx, attached, end, gravity_part(g.x, step, bits), bits);
     at_edge |= advance_axis(w->p.y, rounding[1], w->p.vy, attached, end, gravity_part(g.y, step, bits), bits);
     at_edge |= advance_axis(w->p.z, rounding[2], w->p.vz, attached, end, gravity_part(g.z, step, bits), bits);
+    if (world_has_yarns(w) && (step + 1) % slip_every == 0) slide_crossings(w);
   }
   end_axis(w, w->p.qx, w->p.rx, w->p.x);
   end_axis(w, w->p.qy, w->p.ry, w->p.y);

@@ -82,20 +82,17 @@ static void a_split_keeps_its_sums(void) {
   figure("splits_that_keep_every_sum", splits, "", "all");
 }
 
-/* Of a flat sheet in the x-y plane, weft 0 at the top: along warp x along weft is +z. */
-static void halves_lie_on_the_sides_of_the_weave(void) {
+/* Which yarn is over the other is the weave's, and shows in pictures. */
+static void halves_lie_where_the_crossing_was(void) {
   fixture_scoped f = {0};
   open_sheet(&f, "twill 2/1", "");
-  const fray_weave sheet = fray_view_weave(f.w);
-  const int32_t half = f.facts.thickness / 2;
   for (uint32_t c = 12; c < 132; ++c) {
-    const uint32_t i = c % 12, j = c / 12;
-    const int over = (int)(sheet.weave >> (j % sheet.weave_rows * 8 + i % sheet.weave_columns) & 1u);
-    const int32_t z = f.w->p.z[fray_crossing_particle(f.w, c)];
+    const vec3 at = world_position(f.w, fray_crossing_particle(f.w, c));
     CHECK_EQ_INT(crossing_split(f.w, c, FRAY_LOOSE), 1);
-    const fray_particles p = fray_view_particles(f.w);
-    CHECK_EQ_INT(p.z[fray_yarn_particle(f.w, c, FRAY_WARP)], z + (over ? half : -half));
-    CHECK_EQ_INT(p.z[fray_yarn_particle(f.w, c, FRAY_WEFT)], z - (over ? half : -half));
+    CHECK(vec_is_equal(world_position(f.w, fray_yarn_particle(f.w, c, FRAY_WARP)), at));
+    CHECK(vec_is_equal(world_position(f.w, fray_yarn_particle(f.w, c, FRAY_WEFT)), at));
+    CHECK_EQ_INT(f.w->woven.contacts[crossing_contact(f.w, c)].place[FRAY_WARP], yarn_place_of(c / 12));
+    CHECK_EQ_INT(f.w->woven.contacts[crossing_contact(f.w, c)].place[FRAY_WEFT], yarn_place_of(c % 12));
     CHECK_EQ_INT(fray_crossing_state_at(f.w, c), FRAY_LOOSE);
   }
 }
@@ -184,7 +181,7 @@ static void simd_kernels_agree(void) {
 
 int main(void) {
   TEST(a_split_keeps_its_sums);
-  TEST(halves_lie_on_the_sides_of_the_weave);
+  TEST(halves_lie_where_the_crossing_was);
   TEST(it_stops_where_no_particle_is_left);
   TEST(rows_between_unequal_ends_keep_momentum);
   TEST(a_light_end_takes_two_thirds);

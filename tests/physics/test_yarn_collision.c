@@ -42,7 +42,28 @@ static uint32_t living(const fray_world *w) {
   return count;
 }
 
+/* From the middle of a segment that begins at number `from` of a yarn to the contact's place on it, spacings. */
+static double off_middle(const fray_world *w, uint32_t crossing, fray_axis axis, uint32_t from) {
+  const double place = w->woven.contacts[crossing_contact(w, crossing)].place[axis] * 0x1p-20 - 0.5;
+  return fabs(place - (from + 0.5));
+}
+
+/* A warp's and a weft's segment near where their yarns slide over each other. */
+static int slide_there(const fray_world *w, const segment *a, const segment *b) {
+  const uint32_t warps = (uint32_t)w->params->warps;
+  const int a_is_warp = a->crossing[1] - a->crossing[0] == warps;
+  const int b_is_warp = b->crossing[1] - b->crossing[0] == warps;
+  const segment *warp = a_is_warp ? a : b;
+  const segment *weft = a_is_warp ? b : a;
+  if (!world_has_yarns(w) || a_is_warp == b_is_warp) return 0;
+  const uint32_t c = weft->crossing[0] / warps * warps + warp->crossing[0] % warps;
+  if (crossing_state_at(w, c) == FRAY_WHOLE || crossing_state_at(w, c) == FRAY_DISCONNECTED) return 0;
+  return off_middle(w, c, FRAY_WEFT, weft->crossing[0] % warps) <= 1.5 &&
+         off_middle(w, c, FRAY_WARP, warp->crossing[0] / warps) <= 1.5;
+}
+
 static int are_neighbours(const fray_world *w, const segment *a, const segment *b) {
+  if (slide_there(w, a, b)) return 1;
   for (uint32_t n = 0; n < 4; ++n) {
     const uint32_t c = a->crossing[n / 2];
     if (a->p[n / 2] == b->p[n % 2]) return 1;

@@ -218,6 +218,7 @@ static void momentum_is_kept_to_the_last_bit(void) {
     }
     yarn_momentum(f.w, 0, sum[0]);
     const int32_t speed = f.w->p.vy[5];
+    yarn_grip_update(f.w);
     yarn_stretch_run(f.w);
     CHECK_EQ_INT(f.w->state->faults, 0);
     yarn_momentum(f.w, 0, sum[1]);

@@ -30,7 +30,7 @@ options_of() { # FILE MAIN: sets files, options
       files='rt/base/*.c'
       options="-eva-precision 0 -eva-split-return auto -eva-auto-loop-unroll 8192 -eva-min-loop-unroll 160 -eva-split-return-function readable_in_place:0:1 -eva-slevel 0 -eva-slevel-function $header" ;;
     eva_validate-*)
-      files='rt/image/image.c rt/image/image_table.c rt/image/view.c rt/image/work_bound.c rt/state/yarn_grid.c rt/image/state_hash.c rt/state/world.c rt/state/crossing.c rt/base/*.c'
+      files='rt/image/image.c rt/image/image_table.c rt/image/validate_yarns.c rt/image/view.c rt/image/work_bound.c rt/state/yarn_grid.c rt/image/state_hash.c rt/state/world.c rt/state/crossing.c rt/base/*.c'
       options="-eva-precision 0 -eva-split-return auto -eva-auto-loop-unroll 100 -eva-min-loop-unroll 64 -eva-slevel 0 -inline-calls yarn_grid_link_at -eva-slevel-function $values" ;;
   esac
 }

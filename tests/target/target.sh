@@ -43,8 +43,8 @@ machine() { # NAME
       clock=25000000 ;;
     m33) cortexm "-mcpu=cortex-m33 -mfpu=fpv5-sp-d16 -mfloat-abi=hard" "-M mps2-an505"
       clock=20000000 ;;
-    # gcc 12 gives a constant mask of lanes as all of them (the sum of `apart` in rt/woven/yarn_slip.c, whose
-    # last two lanes it does not negate): no vectors of its own
+    # gcc 12 gives a constant mask of lanes as all of them (where a loop does not negate the last two of four
+    # words): no vectors of its own
     m55) cortexm "-mcpu=cortex-m55 -mfloat-abi=hard -fno-tree-vectorize" "-M mps3-an547"
       clock=32000000 ram_all=0x80000 code_all=0x20000 ;;
     r5f)

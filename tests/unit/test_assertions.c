@@ -206,7 +206,7 @@ static void particles_are_within_their_pool(int broken) {
   if (broken) woven.w->p.count = woven.w->capacity[POOL_PARTICLES] + 1;
   damp_begin(woven.w);
 }
-static void slip_is_of_yarns(int broken) { yarn_slip_apply(broken ? woven.w : yarns.w, 0); }
+static void slip_is_of_yarns(int broken) { yarn_slip_apply(broken ? woven.w : yarns.w); }
 
 /* ---- trimesh ---- */
 

@@ -32,7 +32,7 @@ static const char STRETCHED[] =
     "sphere a { radius 0.05 cm at 0.16 -0.12 0 cm move hand right attach_within 0.01 cm }\n"
     "limits { contacts 12 tears_per_tick 2 spare_particles 6 splits_per_tick 3 }\n";
 
-enum { SECTIONS = 27, SECTION_LAST = IMAGE_TRIANGLE_COLLISION, MEMORY_MAX = 1 << 22, SECOND_OF = 1 };
+enum { SECTIONS = 27, SECTION_LAST = IMAGE_YARN_CONTACTS, MEMORY_MAX = 1 << 22, SECOND_OF = 1 };
 
 static uint8_t *image;
 static size_t image_bytes;

@@ -8,7 +8,10 @@ function rounds(what) {
   if (what == "sweeps") return sweeps * substeps
   if (what == "yarns" || what == "spares") return what == "yarns" ? yarns : yarns * spares
   if (what == "slips") return slips
-  if (what == "binds") return all_yarn ? slips : 0
+  # four directions a contact, and over each disconnected crossing from both sides; with elastic yarns so much
+  # again for each of four neighbours
+  if (what == "grips") return (stretches != 0) * 4 * spares
+  if (what == "neighbour_steps") return (stretches != 0 ? 40 : 8) * yarns * spares
   if (what == "splits") return splits
   # a crossing is marked once in a tick, and unmarked where it is split
   if (what == "marks") return yarns * (crossings + splits)
@@ -62,7 +65,7 @@ function rounds(what) {
   # a lane's words by two; what is left of it is a part of its loop over lanes
   if (what == "hash_pairs") return rounds("hash_words") / 2
   if (what == "hash_byte_pairs") return 3 * particles / 2
-  if (what == "hash_words") return 6 * particles + 40 + 12 * bodies + 5 * yarns + (triangles ? 13 + 11 * triangles : 0)
+  if (what == "hash_words") return 6 * particles + 40 + 12 * bodies + yarns * (5 + 6 * spares) + (triangles ? 13 + 11 * triangles : 0)
   if (what == "zeroed") return cleared_bytes + motion_bytes * bodies + (triangles ? 32 * particles + 16 * triangles : 0)
   if (what == "zeroed_words") return (cleared_bytes + motion_bytes * bodies) / 4 + 64 + (triangles ? 8 * particles + 4 * triangles : 0)
   # the n-th that enters a heap rises by log2 n at most; once that is full one sinks between two below it

@@ -185,6 +185,14 @@ static fray_input input_of(const judged *j, const judge_run *run, uint32_t tick)
 
 /* ---- judges of motion ---- */
 
+/* What a stage made less what it lost. A projected link draws at rest, and the contact that holds it takes that
+ * back in the same substep: of what limits made slip has taken its part. */
+static double net_of(const fray_energy_account *a, uint32_t n) {
+  const double net = (double)a->made[n] - (double)a->lost[n];
+  const double slip = (double)a->made[FRAY_ENERGY_SLIP] - (double)a->lost[FRAY_ENERGY_SLIP];
+  return n == FRAY_ENERGY_LIMITS ? net + fmin(slip, 0) : net;
+}
+
 static void judge_energy(judged *j, uint32_t tick, judge_result *r) {
   const fray_info *f = &j->watched.facts;
   const fray_energy_account a = fray_energy(j->watched.w);
@@ -211,7 +219,7 @@ static void judge_energy(judged *j, uint32_t tick, judge_result *r) {
   j->rounding += f->substeps * (sqrt(2 * fmax(moving, 0) * j->mass) * speed_step +
                                 j->mass * speed_step * speed_step);
   for (uint32_t n = 0; n < FRAY_ENERGY_STAGES; ++n) {
-    const double net = ((double)a.made[n] - (double)a.lost[n]) * unit;
+    const double net = net_of(&a, n) * unit;
     const double allowed = 0.01 * j->turned + j->rounding;
     if (net > allowed) find(r, JUDGE_MADE + n, tick, net, allowed);
   }

@@ -119,7 +119,6 @@ static void write_woven(draft *d) {
     put(d, "  yarns %s\n", ONE_OF(d, "on", "all"));
     if (chance(d, 0.6)) put(d, "  slip_friction %.2f\n", between(d, 0, 1.2));
     if (chance(d, 0.4)) put(d, "  crossing_friction %.2f mN\n", between(d, 0, 2));
-    if (chance(d, 0.4)) put(d, "  crimp %.1f %%\n", between(d, 0, 100));
   } else if (d->kind == RANDOM_STRETCH) {
     if (chance(d, 0.4)) put(d, "  yarns on\n");
     put(d, "  stretch %.4f N\n", decades(d, 0.02, 1));

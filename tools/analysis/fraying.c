@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "tools/analysis/fraying.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "rt/state/crossing.h"
 
 typedef struct {
   const fray_world *w;
@@ -35,13 +38,24 @@ static void read_springs(search *s, const fray_info *f) {
     s->rest_cm[axis] = count[axis] == 0 ? 0 : sum[axis] / count[axis] * f->lu_um * 0x1p-24 * 1e-4;
 }
 
-/* Walks from a torn end away from the break, over disconnected crossings; returns their number. */
-static uint32_t walk(search *s, uint32_t i, uint32_t j, fray_axis axis, int on) {
-  uint32_t loose = 0;
+/* Where the yarns of a crossing touch, on the yarn along an axis: spacings from the crossing, on along it. */
+static double slid_by(const search *s, uint32_t c, fray_axis axis) {
+  if (!world_has_yarns(s->w) || crossing_state_at(s->w, c) == FRAY_WHOLE) return 0;
+  const uint32_t home = yarn_place_of(axis == FRAY_WARP ? c / s->weave.warps : c % s->weave.warps);
+  return ((double)s->w->woven.contacts[crossing_contact(s->w, c)].place[axis] - home) / YARN_PLACE_ONE;
+}
+
+/* Walks from a torn end away from the break, over disconnected crossings, to the first that holds; returns the
+ * spacings between. */
+static double walk(search *s, uint32_t i, uint32_t j, fray_axis axis, int on) {
+  double loose = 0;
   for (;;) {
     const uint32_t c = j * s->weave.warps + i;
-    if (fray_crossing_state_at(s->w, c) != FRAY_DISCONNECTED || (s->counted[c] >> axis & 1) != 0)
-      return loose;
+    if ((s->counted[c] >> axis & 1) != 0) return loose;
+    if (fray_crossing_state_at(s->w, c) != FRAY_DISCONNECTED) {
+      const double slid = slid_by(s, c, axis);
+      return fmax(loose + (on ? slid : -slid), 0);
+    }
     s->counted[c] = (uint8_t)(s->counted[c] | 1 << axis);
     ++loose;
     uint32_t *const at = axis == FRAY_WEFT ? &i : &j;
@@ -53,8 +67,8 @@ static uint32_t walk(search *s, uint32_t i, uint32_t j, fray_axis axis, int on) 
   }
 }
 
-static void add_end(search *s, fraying *out, uint32_t loose, fray_axis axis) {
-  out->ends += loose > 0;
+static void add_end(search *s, fraying *out, double loose, fray_axis axis) {
+  out->ends += loose >= 1;
   out->loose_cm += loose * s->rest_cm[axis];
 }
 

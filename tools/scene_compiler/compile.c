@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "rt/state/crossing.h"
+#include "rt/woven/yarn_slip.h"
 #include "rt/image/image.h"
 #include "rt/image/state_hash.h"
 #include "tools/scene_compiler/draft.h"
@@ -60,9 +61,7 @@ static void plan_capacity(const draft *d, uint32_t capacity[POOLS]) {
   capacity[POOL_CROSSINGS] = d->crossings;
   capacity[POOL_SPRINGS] = all_springs(d);
   capacity[POOL_BATCHES] = d->batch_count;
-  capacity[POOL_LINK_CLASSES] = s->woven.shear_lock.numerator != 0 ? CLASSES_WITH_LOCK
-                                : s->woven.yarns != 0              ? CLASS_LINKS + 1
-                                                                   : CLASS_WARP + 1;
+  capacity[POOL_LINK_CLASSES] = s->woven.shear_lock.numerator != 0 ? CLASSES_WITH_LOCK : CLASS_WARP + 1;
   capacity[POOL_BEND_SHEAR_CLASSES] = s->woven.yarns != 0 ? CLASS_SHEAR_HALF + 1 : CLASS_SHEAR + 1;
   capacity[POOL_BODIES] = d->bodies;
   capacity[POOL_KEYS] = s->key_count;
@@ -274,6 +273,11 @@ static void start_at_rest(fray_world *w, const settle_rest *rest) {
     memcpy(w->membrane.bend_states, rest->bends, triangles_in_use(w) * sizeof *rest->bends);
 }
 
+static void begin_contacts(fray_world *w) {
+  if (!world_has_yarns(w)) return;
+  for (uint32_t n = 0; n < (uint32_t)w->woven.yarn_counts->split; ++n) yarn_slip_begin(w, n);
+}
+
 /* Along the axis of the largest component of gravity. */
 static uint32_t fall_steps(const params *p) {
   const uint32_t x = fx_magnitude(p->gravity_x);
@@ -326,6 +330,7 @@ int compile_image(const scene *s, const char *file, uint8_t **image, size_t *ima
   if (find_work(s, file, report, &rest, progress, context, error) &&
       compile_world(s, file, report->substeps, report->iterations, &memory, &w, error)) {
     start_at_rest(w, &rest);
+    begin_contacts(w);
     begin_hash(w);
     report->stretch_steps = fray_get_info(w).yarn_steps;
     report->fall_steps = fall_steps(w->params);

@@ -21,14 +21,11 @@ int draft_scale(draft *d) {
   const exact wide = exact_compare(d->scene->woven.warp_spacing, d->scene->woven.weft_spacing) > 0
                          ? d->scene->woven.warp_spacing
                          : d->scene->woven.weft_spacing;
-  const exact crimp = exact_mul(d->scene->woven.thickness, exact_make(1, 2)); /* at most */
-  const exact longest = d->scene->woven.yarns != 0 ? exact_add(wide, crimp) : wide;
   uint32_t n = 0;
-  while (n < 10 && exact_compare(exact_mul(longest, exact_make(10000, sizes_um[n])),
+  while (n < 10 && exact_compare(exact_mul(wide, exact_make(10000, sizes_um[n])),
                                  exact_make(LINK_UNITS_MAX, 1 << 16)) > 0)
     ++n;
-  if (n == 10)
-    return refuse_spacing(d, exact_sub(exact_make(5 * LINK_UNITS_MAX, 1 << 16), exact_sub(longest, wide)));
+  if (n == 10) return refuse_spacing(d, exact_make(5 * LINK_UNITS_MAX, 1 << 16));
   d->lu_um = sizes_um[n];
   d->lu_per_cm = exact_make(10000, d->lu_um);
   if (!draft_length(d, BLOCK_CLOTH, "spacing", d->scene->woven.warp_spacing, &d->spacing[0]) ||
@@ -291,24 +288,6 @@ static int push_share(const draft *d, int32_t *push) {
                            0, 4096, push);
 }
 
-/* Rest length of a link between two sides of the cloth, `across` apart: longer by the crimp's share, Q16, of
- * the difference to the slanted length. */
-static int32_t crimped(int32_t spacing, int32_t across, int32_t share) {
-  const int64_t way =
-      (int64_t)exact_sqrt((uint64_t)((int64_t)spacing * spacing + (int64_t)across * across));
-  return (int32_t)(spacing + fx_round64((way - spacing) * share, 16));
-}
-
-/* The same for elastic yarns, such that at the middle of the split strains a split changes neither strain
- * nor tension. */
-static int32_t length_at_kept_tension(const draft *d, int32_t spacing, int32_t across) {
-  const exact sum = exact_add(d->scene->woven.split_strain_min, d->scene->woven.split_strain_max);
-  const exact stretched = exact_add(exact_make(1, 1), exact_div(sum, exact_make(2, 1)));
-  int64_t apart = across;
-  (void)exact_to_fixed(exact_div(exact_make(across, 1), stretched), 0, &apart);
-  return crimped(spacing, (int32_t)apart, 65536);
-}
-
 /* A cell of sides a and b, sheared by the angle s of half tangent t, has a diagonal of
  * a^2 + b^2 - 2 a b sin s, squared; sin s = 2 t / (1 + t^2). */
 static int shear_lock(const draft *d, link_class *locks) {
@@ -331,24 +310,9 @@ static int shear_lock(const draft *d, link_class *locks) {
 
 int draft_classes(const draft *d, link_class *links, bend_shear_class *springs) {
   int32_t push = 0;
-  int32_t thickness = 0;
-  int32_t crimp = 0;
-  if (!push_share(d, &push) ||
-      !draft_length(d, BLOCK_CLOTH, "thickness", d->scene->woven.thickness, &thickness) ||
-      !draft_fixed_point(d, of_cloth("crimp", UNIT_SHARE, d->scene->woven.crimp), d->scene->woven.crimp, 16,
-                         0, 65536, &crimp))
-    return 0;
-  const int crimps = d->scene->woven.yarns != 0 || d->scene->woven.shear_lock.numerator != 0;
+  if (!push_share(d, &push)) return 0;
   for (uint32_t axis = 0; axis < 2; ++axis) {
     links[CLASS_WEFT + axis] = link_class_make(d->spacing[axis], push);
-    for (uint32_t halves = 1; halves < 3 && crimps; ++halves) {
-      const int32_t across = (int32_t)halves * (thickness / 2);
-      const int keeps = scene_has_stretch(d->scene) && !d->scene->woven.has_crimp;
-      links[CLASS_WEFT + axis + halves * CLASS_CRIMP] =
-          link_class_make(keeps ? length_at_kept_tension(d, d->spacing[axis], across)
-                                : crimped(d->spacing[axis], across, crimp),
-                          push);
-    }
     if (!make_spring(d, "bend", d->scene->woven.bend, 2 * d->spacing[axis], 0, &springs[1 + axis]))
       return 0;
   }

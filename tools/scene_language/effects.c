@@ -35,10 +35,6 @@ static int without_spares_to_split(const scene *s) {
 static int never_splits(const scene *s) {
   return s->woven.yarns == 1 && is_tear_off(s) && s->slit_count == 0;
 }
-/* Where `yarns` is `all` only rest lengths come from it, with `stretch` and without `crimp`. */
-static int all_are_split(const scene *s) {
-  return s->woven.yarns == 2 && (without_stretch(s) || s->woven.has_crimp);
-}
 static int is_never_cut(const scene *s) {
   return s->membrane.present && (!s->membrane.cloth.has_cut_speed || without_mesh(s));
 }
@@ -87,12 +83,10 @@ static const struct {
     {BLOCK_CLOTH, "yarns", without_spares_to_split, "'spare_particles' is 0: no crossing can split"},
     {BLOCK_CLOTH, "yarns", never_splits, "'tear' is off: no crossing splits"},
     {BLOCK_CLOTH, "split_strain", without_yarns, "'yarns' is off"},
-    {BLOCK_CLOTH, "split_strain", all_are_split, "with 'yarns all' crossings are split from the beginning"},
     {BLOCK_CLOTH, "disconnect_at", without_yarns, "'yarns' is off"},
     {BLOCK_CLOTH, "disconnect_by", without_yarns, "'yarns' is off"},
     {BLOCK_CLOTH, "crossing_friction", without_yarns, "'yarns' is off"},
     {BLOCK_CLOTH, "slip_friction", without_yarns, "'yarns' is off"},
-    {BLOCK_CLOTH, "crimp", without_yarns, "'yarns' is off"},
     {BLOCK_CLOTH, "stretch_damping", without_stretch, "there is no 'stretch'"},
     {BLOCK_CLOTH, "self_thickness", without_self_collision, "'self_collision' is off"},
     {BLOCK_CLOTH, "wind_normal", without_wind, "there is no 'wind'"},

@@ -160,9 +160,6 @@ typedef struct {
     int self_collision;   /* 1: yarns, or triangles, do not pass through each other, default 0 */
     int has_self_thickness;
     exact self_thickness; /* cm: how far apart they are kept, default thickness */
-    int has_crimp;
-    exact crimp;          /* share of the yarns' waves in their rest length, default 0; with a stretch
-                             by default the share that keeps the tension where a crossing splits */
     exact stretch;        /* N: a yarn's EA, its force at a strain of 1; 0 (default): inextensible,
                              by projection */
     exact stretch_damping; /* s: force of strain + this * its rate; default, less than 0: the compiler's

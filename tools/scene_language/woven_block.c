@@ -141,7 +141,6 @@ static const block_key keys[] = {
     {"disconnect_by", read_disconnect_by, 0, NO_RANGE, 0, 0},
     {"crossing_friction", block_exacts, AT(crossing_friction), {UNIT_FORCE, "0", "1"}, 1, 0},
     {"slip_friction", block_exacts, AT(slip_friction), {UNIT_NONE, "0", "16"}, 1, 0},
-    {"crimp", block_exacts, AT(crimp), {UNIT_SHARE, "0", "100"}, 1, 0},
     {"stretch", block_exacts, AT(stretch), {UNIT_FORCE, "0.0001", "2000"}, 1, 0},
     {"stretch_damping", block_exacts, AT(stretch_damping), {UNIT_TIME, "0", "1"}, 1, 0},
     CLOTH_KEYS};
@@ -156,7 +155,6 @@ int woven_block_read(parser *p, const block_key *key, void *target) {
   block_open(p, BLOCK_CLOTH);
   if (!block_read(p, &woven_rule, "the woven cloth", opened, target, &seen)) return 0;
   out->woven.has_split_strain = block_has(&woven_rule, &seen, "split_strain");
-  out->woven.has_crimp = block_has(&woven_rule, &seen, "crimp");
   out->woven.has_self_thickness = block_has(&woven_rule, &seen, "self_thickness");
   return out->woven.warps * out->woven.wefts <= CROSSINGS_MAX ||
          parser_fail(p, opened, "found %u x %u = %u crossings, expected at most %d",
