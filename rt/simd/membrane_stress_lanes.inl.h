@@ -202,7 +202,8 @@ LANES_INLINE int membrane_stress_lanes_group(const stress_view *v, uint32_t firs
   if (lanes64_any_beyond(far, MEMBRANE_STRESS_LANES_STRESS)) return 0;
   smoothed_strain *smoothed = &v->smoothed_strains[first];
   record_lanes_store(v->gains[first].c, c);
-  membrane_stress_lanes_store(&v->stress[first].uu, sizeof(material_tensor) / 4, stress);
+  membrane_stress_lanes_store((int32_t *)&v->stress[first], sizeof(material_tensor) / 4,
+                              stress);
   for (uint32_t pole = 0; pole < SMOOTHED_STRAIN_POLES; ++pole)
     membrane_stress_lanes_store(&smoothed->mean[pole].uu, SMOOTHED_STRAIN_WORDS, poles[pole]);
   return 1;
