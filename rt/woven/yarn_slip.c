@@ -51,7 +51,7 @@ static yarn_line line_of(const fray_world *w, uint32_t n, uint32_t axis) {
   return yarn_line_of(w, axis, w->woven.contact_steps[n].number[axis]);
 }
 
-static vec3 gap_of(const yarn_touch *touch, const yarn_contact *c) {
+static vec3 touch_gap(const yarn_touch *touch, const yarn_contact *c) {
   const vec3 apart = vec_sub(touch->spot[FRAY_WARP].at, touch->spot[FRAY_WEFT].at);
   return vec_sub(vec_clamp(apart, GAP_MAX), vec_of(c->offset));
 }
@@ -64,7 +64,7 @@ static int spot_at(const fray_world *w, uint32_t n, uint32_t axis, uint32_t plac
 static int touch_at(const fray_world *w, uint32_t n, const uint32_t place[2], yarn_touch *touch) {
   for (uint32_t axis = 0; axis < 2; ++axis)
     if (!spot_at(w, n, axis, place[axis], touch)) return 0;
-  touch->gap = gap_of(touch, &w->woven.contacts[n]);
+  touch->gap = touch_gap(touch, &w->woven.contacts[n]);
   return 1;
 }
 
@@ -124,7 +124,7 @@ static int slide_along(const fray_world *w, const slip_gains *k, uint32_t n, uin
   if (past > YARN_PLACE_BEYOND && (spot->goes & YARN_GOES_ON) == 0) return 0;
   t->next[axis] += (uint32_t)by;
   if (!spot_at(w, n, axis, t->next[axis], touch)) return 0;
-  touch->gap = gap_of(touch, &w->woven.contacts[n]);
+  touch->gap = touch_gap(touch, &w->woven.contacts[n]);
   return 1;
 }
 
@@ -214,7 +214,7 @@ static void push_axis(int32_t *x, int32_t *v, int32_t inverse_mass, int32_t unit
   if (rest != 0) *v = fx_add_saturated(*v, rest * inverse_mass * unit);
 }
 
-static void push_particle(fray_world *w, uint32_t p, vec3 half) {
+static void add_impulse(fray_world *w, uint32_t p, vec3 half) {
   const int32_t inverse_mass = particle_free_inverse_mass(w, p);
   const int is_elastic = world_has_elastic_yarns(w);
   const int32_t unit = 1 << (FX_SUB_BITS - 1 + yarn_slip_bits(w)); /* of momentum, Q28 */
@@ -227,7 +227,7 @@ static void push_particle(fray_world *w, uint32_t p, vec3 half) {
   push_axis(&w->p.z[p], &w->p.vz[p], inverse_mass, unit, is_elastic, half.z);
 }
 
-/* As far as push_particle() would, with its predicted position. */
+/* As far as add_impulse() would, with its predicted position. */
 static void move_particle(fray_world *w, uint32_t p, vec3 half) {
   const int32_t inverse_mass = particle_free_inverse_mass(w, p);
   const vec3 by = inverse_mass == 2 ? half : vec_round(half, 1);
@@ -248,9 +248,9 @@ static void push_yarn(fray_world *w, uint32_t n, uint32_t axis, vec3 half, vec3 
   if (!yarn_spot_find(w, &line, w->woven.contacts[n].place[axis], &spot)) return;
   const vec3 before = share_of(half, spot.weight[0]);
   const vec3 after = share_of(half, spot.weight[1]);
-  if (spot.weight[0] != 0) push_particle(w, spot.particle[0], before);
-  push_particle(w, spot.particle[1], vec_sub(vec_sub(half, before), after));
-  if (spot.weight[1] != 0) push_particle(w, spot.particle[2], after);
+  if (spot.weight[0] != 0) add_impulse(w, spot.particle[0], before);
+  add_impulse(w, spot.particle[1], vec_sub(vec_sub(half, before), after));
+  if (spot.weight[1] != 0) add_impulse(w, spot.particle[2], after);
   if (vec_span(quiet) == 0) return;
   if (spot.weight[0] != 0) move_particle(w, spot.particle[0], share_of(quiet, spot.weight[0]));
   move_particle(w, spot.particle[1], share_of(quiet, middle_weight(&spot)));
