@@ -99,7 +99,12 @@ function rounds(what) {
   exit 2
 }
 function least(a, b) { return a < b ? a : b }
-function times(stage) { return per[stage] == "substep" ? substeps : 1 }
+# contacts of elastic yarns act in each second elastic step; they are a stage of their own there, too
+function is_inner(stage, loop) { return stage == "yarn_stretch_run" && (loop == "slips" || loop == "spares") }
+function times(stage) {
+  if (stage == "yarn_slip_apply" && stretches != 0 && inner_steps > 1) return substeps * inner_steps / 2
+  return per[stage] == "substep" ? substeps : 1
+}
 
 $1 == "fixed" { fixed[$2] = $3; next }
 $1 == "loop" { loops++; loop_stage[loops] = $2; loop_name[loops] = $3; loop_cost[loops] = $4; next }
@@ -124,7 +129,7 @@ $1 == "limits" {
   event_bound[scene] = 0
   for (k = 1; k <= stage_count; k++) if (event_kind[name[k]] == "fixed") event_bound[scene] += fixed[name[k]]
   for (k = 1; k <= loops; k++) {
-    cost = loop_cost[k] * rounds(loop_name[k])
+    cost = loop_cost[k] * rounds(loop_name[k]) * !is_inner(loop_stage[k], loop_name[k])
     bound[scene, loop_stage[k]] += cost
     if (loop_name[k] == "contacts" || loop_name[k] == "cuts" || loop_name[k] ~ /_steps$/ && event_kind[loop_stage[k]] == "steps" || loop_name[k] == "splits")
       event_bound[scene] += cost
