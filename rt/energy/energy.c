@@ -120,6 +120,24 @@ void energy_close_velocities(fray_world *w) {
   book(w, FRAY_ENERGY_LIMITS, 0);
 }
 
+void energy_add_slide(fray_world *w, vec3 by) {
+  w->energy.slid = wide_add(w->energy.slid, energy_of_contact(w, by));
+}
+
+void energy_close_steps_of_slides(fray_world *w) {
+  w->energy.booked = wide_add(w->energy.booked, w->energy.slid);
+  book(w, FRAY_ENERGY_STEPS, 1);
+}
+
+void energy_close_slides(fray_world *w) {
+  energy_ledger *l = &w->energy;
+  const wide_number nothing = {0, 0};
+  l->booked = wide_sub(l->booked, l->slid);
+  l->slid = nothing;
+  book(w, FRAY_ENERGY_SLIP, 1);
+  l->since_pass = 0;
+}
+
 void energy_open_tick(fray_world *w) {
   energy_ledger *l = &w->energy;
   bytes_zero(l->seen, sizeof l->seen);

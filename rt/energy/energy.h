@@ -17,6 +17,9 @@ void energy_close_wind(fray_world *w);
 void energy_close_bodies(fray_world *w);
 void energy_close_moves(fray_world *w);
 void energy_close_velocities(fray_world *w);
+void energy_add_slide(fray_world *w, vec3 by);
+void energy_close_steps_of_slides(fray_world *w);
+void energy_close_slides(fray_world *w);
 void energy_open_tick(fray_world *w);
 void energy_close_tick(fray_world *w);
 #define ENERGY_HOOK(call) \
@@ -54,6 +57,23 @@ static inline void energy_springs(fray_world *w) {
 #endif
   energy_stage(w, FRAY_ENERGY_STEPS);
 }
+/* The gap of a contact of elastic yarns is about to change by a slide. What that takes from the contact is the
+ * work of friction, but for k by^2 / 2: of that the step before has stored too much, as the contact's force was
+ * that behind the slide all along. */
+static inline void energy_slide(fray_world *w, vec3 by) {
+  (void)by;
+  ENERGY_HOOK(energy_add_slide(w, by));
+}
+/* Elastic yarns have pulled. */
+static inline void energy_elastic_step(fray_world *w) {
+#if FRAY_ENERGY
+  ++w->energy.since_pass;
+#endif
+  (void)w;
+}
+/* All slides of a pass are known; and made. */
+static inline void energy_slides_found(fray_world *w) { ENERGY_HOOK(energy_close_steps_of_slides(w)); }
+static inline void energy_slides_made(fray_world *w) { ENERGY_HOOK(energy_close_slides(w)); }
 /* A tick begins, when impulses of bodies are 0; and ends. */
 static inline void energy_begin(fray_world *w) { ENERGY_HOOK(energy_open_tick(w)); }
 static inline void energy_end(fray_world *w) { ENERGY_HOOK(energy_close_tick(w)); }

@@ -12,6 +12,8 @@ void energy_measure_motion(const fray_world *w, energy_stored *e);
  * follows the velocities of the moment too. Of a membrane this uses the arrays of its elastic
  * steps, which begin anew. */
 void energy_measure_woven(const fray_world *w, energy_stored *e);
+/* Of the contact of two elastic yarns, whose gap it is. */
+wide_number energy_of_contact(const fray_world *w, vec3 gap);
 void energy_measure_membrane(fray_world *w, energy_stored *e);
 
 /* Q28 lu per substep. While positions are off their predictions, what the velocity will be: as

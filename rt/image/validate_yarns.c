@@ -4,7 +4,7 @@
 #include "rt/state/crossing.h"
 
 static int contact_is_empty(const yarn_contact *c) {
-  return (c->place[0] | c->place[1]) == 0 && (c->offset[0] | c->offset[1] | c->offset[2] | c->pressed) == 0;
+  return (c->place[0] | c->place[1]) == 0 && (c->offset[0] | c->offset[1] | c->offset[2]) == 0 && c->grip == 0;
 }
 
 /* Crossing k of the yarn of an axis through `crossing`. */
@@ -43,7 +43,7 @@ static int contact_good(const fray_world *w, uint32_t n) {
   const uint32_t crossing = w->woven.crossing_of[(uint32_t)w->params->particles + n];
   const uint32_t home[2] = {crossing % warps, crossing / warps};
   if (crossing_state_at(w, crossing) == FRAY_DISCONNECTED) return contact_is_empty(c);
-  if (c->pressed < 0 || c->pressed > YARN_PRESSED_MAX) return 0;
+  if (yarn_contact_pressed(c) > YARN_PRESSED_MAX) return 0;
   for (uint32_t axis = 0; axis < 3; ++axis)
     if (c->offset[axis] < -YARN_OFFSET_MAX || c->offset[axis] > YARN_OFFSET_MAX) return 0;
   for (uint32_t axis = 0; axis < 2; ++axis) {

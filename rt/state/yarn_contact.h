@@ -33,8 +33,11 @@ enum { YARN_OFFSET_MAX = 1 << 22, YARN_PRESSED_MAX = 1 << 24 };
 typedef struct {
   uint32_t place[2]; /* by fray_axis: on its weft, on its warp */
   int32_t offset[3]; /* Q24 lu, +-YARN_OFFSET_MAX: what the yarns were apart, from weft to warp; it fades */
-  int32_t pressed;   /* force that presses the yarns, as the length in Q24 lu that the contact gives way by */
+  uint32_t grip;     /* yarn_contact_pressed() << 2 | 1 << axis, where it slid along the yarn in this tick */
 } yarn_contact;
+
+/* Force that presses the yarns, as the length in Q24 lu that the contact gives way by. */
+static inline int32_t yarn_contact_pressed(const yarn_contact *c) { return (int32_t)(c->grip >> 2); }
 
 /* A neighbour along a yarn: another contact, by its number; a crossing that is whole, by its number on the
  * yarn; or none. */
@@ -48,7 +51,7 @@ typedef struct {
   int32_t limit[2];     /* Q20 spacings: what friction holds along a yarn; YARN_CONTACT_FIXED */
   uint32_t next[2];     /* places after this substep */
   int32_t impulse[3];   /* on the weft in this substep: half crossings x Q24 lu; the warp gets the opposite */
-  int32_t quiet[3];     /* the same, of what moves them without changing a velocity */
+  int32_t quiet[3];     /* the same, of what moves them without changing a velocity. Gap before breaks */
 } yarn_contact_step;
 
 #define YARN_CONTACT_FIXED INT32_MAX

@@ -32,6 +32,7 @@ void tick_woven(fray_world *w) {
   bend_shear_apply(w); /* 1, 2: structural springs are projected instead */
   energy_springs(w);
   if (world_has_yarns(w)) yarn_grip_update(w);
+  energy_stage(w, FRAY_ENERGY_TEARS); /* offsets of contacts that tears began fade */
   contact_gather(w);
   if (world_has_yarn_collision(w)) yarn_collision_begin(w);
   for (uint32_t substep = 0; substep < substeps; ++substep) {

@@ -13,6 +13,8 @@
  * wave so that both press alike, and one that is slack presses nothing. The last term is the capstan: what
  * turns a yarn over another presses it, too.
  *
+ * times the scene's static_friction where the contact did not slide in the last tick, and for whole crossings.
+ *
  * Forces are lengths, by which a contact gives way under them, Q24 lu. The tension of a projected link is
  * read from its strain: in one sweep of projections the next link draws a link's end out of its place, by
  * T h^2 / m of it. That of an elastic yarn is its law's. */
@@ -149,17 +151,19 @@ static int32_t pressing(int32_t warp, int32_t weft, int32_t turns) {
 static void press(fray_world *w, const grip_gains *k, uint32_t n, const yarn_touch *touch, int32_t turns) {
   const int32_t warp = tension_at(w, k, n, FRAY_WARP, &touch->spot[FRAY_WARP]);
   const int32_t weft = tension_at(w, k, n, FRAY_WEFT, &touch->spot[FRAY_WEFT]);
-  int32_t *pressed = &w->woven.contacts[n].pressed;
-  *pressed += (pressing(warp, weft, turns) - *pressed) / PRESSED_FILTER;
+  yarn_contact *c = &w->woven.contacts[n];
+  const int32_t pressed = yarn_contact_pressed(c);
+  c->grip = (uint32_t)(pressed + (pressing(warp, weft, turns) - pressed) / PRESSED_FILTER) << 2;
 }
 
 /* Q24 lu. */
-static int64_t held_by(const fray_world *w, int32_t weight, int64_t pressed) {
+static int64_t held_by(const fray_world *w, int32_t weight, int64_t pressed, int slides) {
   const yarn_params *yarns = w->woven.yarn_constants;
   const unsigned down = 16u + 2u * yarn_slip_bits(w);
   const int64_t grip = fx_mul_wide(yarns->crossing_friction, GRIP_OF_FRICTION) >> down;
   const int64_t rubbed = pressed * yarns->slip_friction >> 16;
-  return fx_clamp64(grip * fx_max(weight, 1) / WEIGHT_ONE + rubbed, 0, 1 << 30);
+  const int64_t sliding = fx_clamp64(grip * fx_max(weight, 1) / WEIGHT_ONE + rubbed, 0, 1 << 30);
+  return slides ? sliding : sliding * yarns->static_friction >> 16;
 }
 
 /* |v| across a direction. */
@@ -169,10 +173,10 @@ static int32_t length_across(vec3 v, vec3 unit) {
 }
 
 static int32_t limit_of(const fray_world *w, const grip_gains *k, uint32_t n, uint32_t axis,
-                        const yarn_touch *touch, int32_t weight) {
+                        const yarn_touch *touch, int32_t weight, int slides) {
   const vec3 along = vec_unit(touch->spot[axis].along, vec_make(0, 0, 0));
-  const int64_t pressed = (int64_t)w->woven.contacts[n].pressed + length_across(touch->gap, along);
-  return (int32_t)fx_clamp64(held_by(w, weight, pressed) * k->inverse[axis] >> 20, LIMIT_MIN, LIMIT_MAX);
+  const int64_t pressed = (int64_t)yarn_contact_pressed(&w->woven.contacts[n]) + length_across(touch->gap, along);
+  return (int32_t)fx_clamp64(held_by(w, weight, pressed, slides) * k->inverse[axis] >> 20, LIMIT_MIN, LIMIT_MAX);
 }
 
 static int32_t faded(int32_t offset) {
@@ -184,6 +188,7 @@ static void update_contact(fray_world *w, const grip_gains *k, uint32_t n) {
   yarn_contact_step *t = &w->woven.contact_steps[n];
   const uint32_t crossing = yarn_contact_crossing(w, n);
   const uint32_t warps = (uint32_t)w->params->warps;
+  const uint32_t slid = c->grip & 3u;
   grip_sides sides = {0, 0};
   yarn_touch touch;
   t->number[FRAY_WEFT] = (index_t)(crossing / warps);
@@ -194,7 +199,7 @@ static void update_contact(fray_world *w, const grip_gains *k, uint32_t n) {
   if (!yarn_slip_touch(w, n, &touch)) return;
   press(w, k, n, &touch, sides.turns);
   for (uint32_t axis = 0; axis < 2; ++axis)
-    t->limit[axis] = limit_of(w, k, n, axis, &touch, sides.weight);
+    t->limit[axis] = limit_of(w, k, n, axis, &touch, sides.weight, (slid >> axis & 1u) != 0);
 }
 
 void yarn_grip_update(fray_world *w) {
@@ -249,7 +254,7 @@ int yarn_grip_holds(const fray_world *w, uint32_t crossing) {
   for (uint32_t axis = 0; axis < 2; ++axis) {
     const int64_t across = length_across(carried, load[axis].unit);
     const uint32_t along = fx_magnitude(vec_dot_unit(carried, load[axis].unit));
-    if ((int64_t)along > held_by(w, sides.weight, pressed + across)) return 0;
+    if ((int64_t)along > held_by(w, sides.weight, pressed + across, 0)) return 0;
   }
   return 1;
 }

@@ -13,6 +13,7 @@ void yarn_slip_begin(fray_world *w, uint32_t n) {
   const uint32_t c = yarn_contact_crossing(w, n);
   yarn_contact *k = &w->woven.contacts[n];
   yarn_touch touch;
+  vec_store(w->woven.contact_steps[n].impulse, vec_make(0, 0, 0));
   w->woven.contact_steps[n].number[FRAY_WEFT] = (index_t)(c / (uint32_t)w->params->warps);
   w->woven.contact_steps[n].number[FRAY_WARP] = (index_t)(c % (uint32_t)w->params->warps);
   if (yarn_slip_touch(w, n, &touch)) vec_store(k->offset, added_offset(k, touch.gap));
@@ -24,7 +25,7 @@ void yarn_slip_before_breaks(fray_world *w) {
   for (uint32_t n = 0; n < (uint32_t)w->woven.yarn_counts->split; ++n) {
     yarn_touch touch;
     if (yarn_contact_acts(w, n) && yarn_slip_touch(w, n, &touch))
-      vec_store(w->woven.contact_steps[n].impulse, touch.gap);
+      vec_store(w->woven.contact_steps[n].quiet, touch.gap);
   }
 }
 
@@ -50,7 +51,7 @@ static void reseat(fray_world *w, uint32_t n) {
   if (!yarn_slip_touch(w, n, &touch))
     crossing_set_left(w, yarn_contact_crossing(w, n));
   else
-    vec_store(c->offset, added_offset(c, vec_sub(touch.gap, vec_of(t->impulse))));
+    vec_store(c->offset, added_offset(c, vec_sub(touch.gap, vec_of(t->quiet))));
 }
 
 void yarn_slip_after_breaks(fray_world *w) {

@@ -18,18 +18,20 @@
  * spacing: a potential of places alone, so that no particle feels it. It hands the load on to the next
  * crossings.
  *
- * Energy: the impulse changes velocities by as much as the yarns part, so no contact makes any. What the
- * gap asks for beyond that moves positions alone, those of projected yarns.
+ * Energy, projected yarns: the impulse changes velocities by as much as the yarns part, so no contact makes
+ * any. What the gap asks for beyond that moves positions alone.
+ * Elastic yarns: the contact is a spring and stores k g^2 / 2. g is that of where particles would be when
+ * contacts act next, which damps it: an implicit force that takes from its own oscillation. A slide only takes
+ * from what is stored.
  *
  * A contact that slides off a yarn's end, or past a break, leaves at once: its force does not come back.
  * What follows for its crossing comes at the end of the tick (crossing_transition.c).
- *
- * Elastic yarns: on velocities, and on where particles would be when contacts act next.
  *
  * All contacts are found from the positions and places at the beginning of the pass, then all are applied,
  * so their order does not matter. Projections come before: what they did shows as gap. */
 #include "rt/woven/yarn_slip.h"
 
+#include "rt/energy/energy.h"
 #include "rt/woven/woven.h"
 
 enum {
@@ -70,7 +72,15 @@ static int touch_at(const fray_world *w, uint32_t n, const uint32_t place[2], ya
 
 int yarn_slip_touch(const fray_world *w, uint32_t n, yarn_touch *touch) {
   FRAY_ASSERT(n < (uint32_t)w->woven.yarn_counts->split);
-  return touch_at(w, n, w->woven.contacts[n].place, touch);
+  const yarn_contact *c = &w->woven.contacts[n];
+  const uint32_t crossing = yarn_contact_crossing(w, n);
+  const uint32_t warps = (uint32_t)w->params->warps;
+  for (uint32_t axis = 0; axis < 2; ++axis) {
+    const yarn_line line = yarn_line_of(w, axis, axis == (uint32_t)FRAY_WARP ? crossing % warps : crossing / warps);
+    if (!yarn_spot_at(w, &line, c->place[axis], &touch->spot[axis])) return 0;
+  }
+  touch->gap = touch_gap(touch, c);
+  return 1;
 }
 
 int32_t yarn_slip_distance(const fray_world *w, uint32_t n, uint32_t direction) {
@@ -128,11 +138,8 @@ static int slide_along(const fray_world *w, const slip_gains *k, uint32_t n, uin
   return 1;
 }
 
-/* What a particle has moved in this substep, Q24 lu: by its velocity and by projections. Elastic yarns:
- * between two passes. */
+/* What a particle has moved in this substep, Q24 lu: by its velocity and by projections. */
 static vec3 displacement(const fray_world *w, uint32_t p) {
-  if (world_has_elastic_yarns(w))
-    return vec_clamp_rare(vec_round(world_velocity(w, p), FX_SUB_BITS + yarn_slip_bits(w)), GAP_MAX);
   const vec3 since = vec_sub(world_position(w, p), vec_at(w->p.qx, w->p.qy, w->p.qz, p));
   return vec_clamp_rare(vec_add(vec_round(world_velocity(w, p), FX_SUB_BITS), since), GAP_MAX);
 }
@@ -166,14 +173,12 @@ static vec3 coarse_direction(vec3 v) {
   return bits > 14 ? vec_asr(v, (unsigned)(bits - 14)) : vec_mul(v, 1 << (14 - bits));
 }
 
-/* The part of the impulse, Q15, that may change velocities: as much as stops the yarns from parting, so that
- * no contact makes energy. The force of elastic yarns comes in halves before and behind this pass: so much
- * as turns their velocity round. */
+/* The part of the impulse, Q15, that may change velocities: as much as stops projected yarns from parting. */
 static int32_t braking_part(const fray_world *w, const yarn_touch *touch) {
   const vec3 along = coarse_direction(touch->gap);
   const slip_motion warp = motion_at(w, &touch->spot[FRAY_WARP], along);
   const slip_motion weft = motion_at(w, &touch->spot[FRAY_WEFT], along);
-  const int64_t parting = (warp.moved - weft.moved) * (world_has_elastic_yarns(w) ? 2 : 1);
+  const int64_t parting = warp.moved - weft.moved;
   const int32_t given = fx_mul_round(warp.gives + weft.gives, YARN_SLIP_KAPPA, YARN_SLIP_KAPPA_BITS);
   const int64_t stops = fx_mul_wide((int32_t)fx_asr64(vec_dot64(along, touch->gap), 8), given);
   if (parting <= 0) return 0;
@@ -190,8 +195,11 @@ static void find_impulse(fray_world *w, const slip_gains *k, uint32_t n) {
   t->next[FRAY_WEFT] = w->woven.contacts[n].place[FRAY_WEFT];
   t->next[FRAY_WARP] = w->woven.contacts[n].place[FRAY_WARP];
   int stays = touch_at(w, n, t->next, &touch);
-  if (stays && crossing_state_at(w, c) == FRAY_LOOSE)
-    stays = slide_along(w, k, n, FRAY_WARP, &touch) && slide_along(w, k, n, FRAY_WEFT, &touch);
+  for (uint32_t turn = 0; stays && turn < 2 && crossing_state_at(w, c) == FRAY_LOOSE; ++turn) {
+    const vec3 before = touch.gap;
+    stays = slide_along(w, k, n, turn == 0 ? FRAY_WARP : FRAY_WEFT, &touch);
+    if (stays && world_has_elastic_yarns(w)) energy_slide(w, vec_sub(touch.gap, before));
+  }
   if (!stays) {
     crossing_set_left(w, c);
     return;
@@ -199,9 +207,9 @@ static void find_impulse(fray_world *w, const slip_gains *k, uint32_t n) {
   const vec3 asked = vec_make(fx_mul_round(touch.gap.x, YARN_SLIP_KAPPA, YARN_SLIP_KAPPA_BITS),
                               fx_mul_round(touch.gap.y, YARN_SLIP_KAPPA, YARN_SLIP_KAPPA_BITS),
                               fx_mul_round(touch.gap.z, YARN_SLIP_KAPPA, YARN_SLIP_KAPPA_BITS));
-  const vec3 braking = vec_scale_q15(asked, braking_part(w, &touch));
+  const vec3 braking = world_has_elastic_yarns(w) ? asked : vec_scale_q15(asked, braking_part(w, &touch));
   vec_store(t->impulse, braking);
-  vec_store(t->quiet, world_has_elastic_yarns(w) ? vec_make(0, 0, 0) : vec_sub(asked, braking));
+  vec_store(t->quiet, vec_sub(asked, braking));
 }
 
 /* One component of a particle; `half` in half crossings x Q24 lu. What is no whole step of a whole one goes
@@ -257,12 +265,20 @@ static void push_yarn(fray_world *w, uint32_t n, uint32_t axis, vec3 half, vec3 
   if (spot.weight[1] != 0) move_particle(w, spot.particle[2], share_of(quiet, spot.weight[1]));
 }
 
+static void apply_slide(fray_world *w, uint32_t n) {
+  const yarn_contact_step *t = &w->woven.contact_steps[n];
+  yarn_contact *c = &w->woven.contacts[n];
+  for (uint32_t axis = 0; axis < 2; ++axis) {
+    if (c->place[axis] != t->next[axis]) c->grip |= 1u << axis;
+    c->place[axis] = t->next[axis];
+  }
+  ++w->work.slips;
+}
+
 static void apply_impulse(fray_world *w, uint32_t n) {
   const yarn_contact_step *t = &w->woven.contact_steps[n];
   const vec3 half = vec_of(t->impulse);
   const vec3 quiet = vec_of(t->quiet);
-  w->woven.contacts[n].place[FRAY_WEFT] = t->next[FRAY_WEFT];
-  w->woven.contacts[n].place[FRAY_WARP] = t->next[FRAY_WARP];
   push_yarn(w, n, FRAY_WEFT, half, quiet);
   push_yarn(w, n, FRAY_WARP, vec_negated(half), vec_negated(quiet));
 }
@@ -277,9 +293,10 @@ void yarn_slip_apply(fray_world *w) {
   const slip_gains k = {{inverse_of(w, CLASS_WEFT), inverse_of(w, CLASS_WARP)}};
   for (uint32_t n = 0; n < contacts; ++n)
     if (yarn_contact_acts(w, n)) find_impulse(w, &k, n);
-  for (uint32_t n = 0; n < contacts; ++n) {
-    if (!yarn_contact_acts(w, n)) continue;
-    apply_impulse(w, n);
-    ++w->work.slips;
-  }
+  if (world_has_elastic_yarns(w)) energy_slides_found(w);
+  for (uint32_t n = 0; n < contacts; ++n)
+    if (yarn_contact_acts(w, n)) apply_slide(w, n);
+  if (world_has_elastic_yarns(w)) energy_slides_made(w);
+  for (uint32_t n = 0; n < contacts; ++n)
+    if (yarn_contact_acts(w, n)) apply_impulse(w, n);
 }

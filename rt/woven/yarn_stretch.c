@@ -177,13 +177,6 @@ static int32_t gravity_part(int32_t gravity, int32_t step, unsigned bits) {
   return fx_asr(gravity * (step + 1), bits) - fx_asr(gravity * step, bits);
 }
 
-/* Contacts of yarns, on velocities. */
-static void slide_crossings(fray_world *w) {
-  energy_stage(w, FRAY_ENERGY_STEPS);
-  yarn_slip_apply(w);
-  energy_stage(w, FRAY_ENERGY_SLIP);
-}
-
 void yarn_stretch_run(fray_world *w) {
   FRAY_ASSERT(world_has_elastic_yarns(w) && !world_has_membrane(w));
   FRAY_ASSERT(w->woven.elastic_params->steps_bits <= YARN_ELASTIC_STEPS_BITS);
@@ -201,13 +194,14 @@ void yarn_stretch_run(fray_world *w) {
   begin_axis(w, 2, w->p.vz, rounding[2], w->p.rz);
   for (int32_t step = 0; step < 1 << bits; ++step) {
     apply_forces(w, &s);
+    energy_elastic_step(w);
     (void)advance_axis(w->p.x, rounding[0], w->p.vx, 0, attached, 0, bits);
     (void)advance_axis(w->p.y, rounding[1], w->p.vy, 0, attached, 0, bits);
     (void)advance_axis(w->p.z, rounding[2], w->p.vz, 0, attached, 0, bits);
     at_edge |= advance_axis(w->p.x, rounding[0], w->p.vx, attached, end, gravity_part(g.x, step, bits), bits);
     at_edge |= advance_axis(w->p.y, rounding[1], w->p.vy, attached, end, gravity_part(g.y, step, bits), bits);
     at_edge |= advance_axis(w->p.z, rounding[2], w->p.vz, attached, end, gravity_part(g.z, step, bits), bits);
-    if (world_has_yarns(w) && (step + 1) % slip_every == 0) slide_crossings(w);
+    if (world_has_yarns(w) && (step + 1) % slip_every == 0) yarn_slip_apply(w);
   }
   end_axis(w, w->p.qx, w->p.rx, w->p.x);
   end_axis(w, w->p.qy, w->p.ry, w->p.y);

@@ -16,10 +16,10 @@ typedef struct {
 } pull;
 
 /* The middle warp is drawn by its lowest particle, and the weft there with it. */
-static void open_cloth(fixture *f, uint32_t crossings, uint32_t substeps, double friction, const char *stretch) {
+static void open_pulled(fixture *f, uint32_t crossings, uint32_t substeps, double friction, const char *stretch,
+                        double way, double seconds) {
   const uint32_t wefts = crossings + 1;
   const double half = (wefts - 1) / 24.0;
-  const double way = (crossings + 3) / 12.0;
   const char *tear = stretch[0] != 0 ? "19 19 %\n split_strain 18 18 %" : "300 300 %\n split_strain 200 200 %";
   fixture_print(f,
                 "scene pull\nrate 1000 Hz\nsubsteps %u\ngravity 0 0 0 cm/s2\nseed 9\n"
@@ -28,10 +28,15 @@ static void open_cloth(fixture *f, uint32_t crossings, uint32_t substeps, double
                 "pin block 0 0 0 %u\npin block 2 2 0 %u\n"
                 "sphere grip {\n radius 0.04 cm\n at 0 %.6f 0 cm\n attach_within 0.01 cm\n"
                 " move path { 0 s 0 %.6f 0 cm  %.4f s 0 %.6f 0 cm }\n}\n",
-                substeps, wefts, tear, friction, stretch, wefts - 2, wefts - 2, -half, -half, way / 2,
+                substeps, wefts, tear, friction, stretch, wefts - 2, wefts - 2, -half, -half, seconds,
                 -half - way);
   for (uint32_t c = 0; c < f->w->capacity[POOL_CROSSINGS]; ++c)
     if (crossing_state_at(f->w, c) == FRAY_CONNECTED) crossing_set_state(f->w, c, FRAY_LOOSE);
+}
+
+static void open_cloth(fixture *f, uint32_t crossings, uint32_t substeps, double friction, const char *stretch) {
+  const double way = (crossings + 3) / 12.0;
+  open_pulled(f, crossings, substeps, friction, stretch, way, way / 2);
 }
 
 static double force_on(const fixture *f, uint32_t b) {
@@ -113,6 +118,30 @@ static void friction_alone_holds_its_limit(void) {
   CHECK(fabs(23 * p.peak / 6.6 - 1) < 0.05);
 }
 
+/* A hand that stops is pulled by what friction holds for as long as it stands, at a tenth of the speed as well. */
+static void a_hand_that_stops_is_held(const char *name, const char *stretch) {
+  fixture_scoped f = {0};
+  double at_100_ms = 0;
+  double force = 0;
+  uint32_t grip = 0;
+  open_pulled(&f, 11, 8, 0.1, stretch, 0.5 / 12, 0.05);
+  while (fray_view_body(f.w, grip).motion != FRAY_PATH) ++grip;
+  for (uint32_t tick = 0; tick < 1000; ++tick) {
+    (void)fixture_tick(&f, &fixture_idle);
+    force += (force_on(&f, grip) - force) / 10;
+    if (tick == 150) at_100_ms = force;
+  }
+  char text[64];
+  snprintf(text, sizeof text, "pull_out_held_%s", name);
+  figure(text, force, "mN", "3.3 within 10 %");
+  CHECK(fabs(force / 3.3 - 1) < 0.1 && fabs(force / at_100_ms - 1) < 0.01);
+}
+
+static void what_is_held_stays_held(void) {
+  a_hand_that_stops_is_held("projected", "");
+  a_hand_that_stops_is_held("stretch", " stretch 0.5 N\n");
+}
+
 static void friction_takes_the_work(void) {
   const pull projected = draw(11, 16, 0.1, "", 1);
   const pull stretched = draw(11, 4, 0.1, " stretch 0.5 N\n", 1);
@@ -126,6 +155,7 @@ int main(void) {
   TEST(the_peak_grows_with_the_crossings);
   TEST(the_peak_does_not_depend_on_substeps);
   TEST(friction_alone_holds_its_limit);
+  TEST(what_is_held_stays_held);
   TEST(friction_takes_the_work);
   return test_end();
 }

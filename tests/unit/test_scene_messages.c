@@ -272,6 +272,7 @@ static void notes_on_cloth(void) {
       {WOVEN " tear off tear mirrored\n}\n", 7, 11, "'tear mirrored' " FREE_OF "'tear' is off"},
       {WOVEN " tear 5 5 % tear mirrored\n}\n", 7, 13,
        "'tear mirrored' " FREE_OF "all springs tear at the same strain"},
+      {WOVEN " static_friction 1.4\n}\n", 7, 2, "'static_friction' " FREE_OF "'yarns' is off"},
       {WOVEN " slip_friction 0.3\n}\n", 7, 2, "'slip_friction' " FREE_OF "'yarns' is off"},
       {WOVEN " crossing_friction 1 mN\n yarns off\n}\n", 7, 2,
        "'crossing_friction' " FREE_OF "'yarns' is off"},

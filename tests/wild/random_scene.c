@@ -118,6 +118,7 @@ static void write_woven(draft *d) {
   if (d->kind == RANDOM_YARNS) {
     put(d, "  yarns %s\n", ONE_OF(d, "on", "all"));
     if (chance(d, 0.6)) put(d, "  slip_friction %.2f\n", between(d, 0, 1.2));
+    if (chance(d, 0.2)) put(d, "  static_friction %.2f\n", between(d, 1, 2));
     if (chance(d, 0.4)) put(d, "  crossing_friction %.2f mN\n", between(d, 0, 2));
   } else if (d->kind == RANDOM_STRETCH) {
     if (chance(d, 0.4)) put(d, "  yarns on\n");

@@ -224,7 +224,9 @@ int draft_yarns(const draft *d, yarn_params *y) {
       !draft_fixed_point(d, of_cloth("crossing_friction", UNIT_FORCE, s->woven.crossing_friction), friction,
                          FX_POSITION_BITS, 0, 1 << 24, &y->crossing_friction) ||
       !draft_fixed_point(d, of_cloth("slip_friction", UNIT_NONE, s->woven.slip_friction),
-                         s->woven.slip_friction, 16, 0, 16 << 16, &y->slip_friction))
+                         s->woven.slip_friction, 16, 0, 16 << 16, &y->slip_friction) ||
+      !draft_fixed_point(d, of_cloth("static_friction", UNIT_NONE, s->woven.static_friction),
+                         s->woven.static_friction, 16, 1 << 16, 4 << 16, &y->static_friction))
     return 0;
   if (exact_compare(s->woven.disconnect_at, s->woven.thickness) <= 0) return refuse_disconnect(d);
   const exact spread = exact_sub(s->woven.split_strain_max, s->woven.split_strain_min);

@@ -87,6 +87,7 @@ static const struct {
     {BLOCK_CLOTH, "disconnect_by", without_yarns, "'yarns' is off"},
     {BLOCK_CLOTH, "crossing_friction", without_yarns, "'yarns' is off"},
     {BLOCK_CLOTH, "slip_friction", without_yarns, "'yarns' is off"},
+    {BLOCK_CLOTH, "static_friction", without_yarns, "'yarns' is off"},
     {BLOCK_CLOTH, "stretch_damping", without_stretch, "there is no 'stretch'"},
     {BLOCK_CLOTH, "self_thickness", without_self_collision, "'self_collision' is off"},
     {BLOCK_CLOTH, "wind_normal", without_wind, "there is no 'wind'"},

@@ -104,6 +104,7 @@ static void set_woven_defaults(scene *out) {
   out->woven.damping = zero;
   out->woven.disconnect_at = exact_make(1, 50);
   out->woven.slip_friction = out->woven.crossing_friction = zero;
+  out->woven.static_friction = exact_make(1, 1);
   out->woven.stretch = zero;
   out->woven.stretch_damping = exact_make(-1, 1);
 }

@@ -156,6 +156,7 @@ typedef struct {
     exact disconnect_at;  /* cm, default 0.02 */
     int disconnect_by_particles; /* default 0: by the distance of the yarns */
     exact slip_friction;  /* default 0 */
+    exact static_friction; /* of a yarn at rest over that of one that slides, default 1 */
     exact crossing_friction; /* N, without tension in the yarns, default 0 */
     int self_collision;   /* 1: yarns, or triangles, do not pass through each other, default 0 */
     int has_self_thickness;

@@ -141,6 +141,7 @@ static const block_key keys[] = {
     {"disconnect_by", read_disconnect_by, 0, NO_RANGE, 0, 0},
     {"crossing_friction", block_exacts, AT(crossing_friction), {UNIT_FORCE, "0", "1"}, 1, 0},
     {"slip_friction", block_exacts, AT(slip_friction), {UNIT_NONE, "0", "16"}, 1, 0},
+    {"static_friction", block_exacts, AT(static_friction), {UNIT_NONE, "1", "4"}, 1, 0},
     {"stretch", block_exacts, AT(stretch), {UNIT_FORCE, "0.0001", "2000"}, 1, 0},
     {"stretch_damping", block_exacts, AT(stretch_damping), {UNIT_TIME, "0", "1"}, 1, 0},
     CLOTH_KEYS};
