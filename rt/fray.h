@@ -136,8 +136,8 @@ typedef enum { FRAY_READY = 1, FRAY_OPERATIONAL = 2, FRAY_SAFE = 3 } fray_state;
     "ticks.", \
     "Raise `splits_per_tick` in the limits of the scene, or accept the delay.") \
   X(FRAY_FAULT_SELF_COLLISION_BUDGET, 8, "SelfCollisionBudget", \
-    "Self-collision ran out of pairs or rounds: parts of the cloth moved together for a tick, so that none " \
-    "passed through another; relative motion was lost.", \
+    "Self-collision ran out of pairs, visits or rounds: what it found was pushed apart; yarns that it left " \
+    "out may have passed through each other, or parts of the cloth moved together for a tick.", \
     "Raise `self_collision_pairs` in the limits of the scene; if the bit comes back, the cloth is too " \
     "crowded or moves too fast.") \
   X(FRAY_FAULT_CONTACT_UNRESOLVED, 9, "ContactUnresolved", \

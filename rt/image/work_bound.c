@@ -40,13 +40,20 @@ static void add_rigid_meshes(const fray_world *w, fray_work *most) {
                                       passes * (1u + whole) + (runs - 1u) * collider_count(w) * substeps);
 }
 
-/* Every pass may fill the pool of pairs. */
+/* Of pairs found in so many passes, in a pool of which so many have room; and of so many without room. */
+static uint32_t self_ccd_most(uint64_t pairs, uint32_t room, uint64_t without_room) {
+  const uint32_t merges = saturated_product(pairs, SELF_MERGES);
+  const uint32_t pushes = saturated_product(room, SELF_ROUNDS);
+  return saturated_sum(saturated_sum(merges, pushes), saturated_product(without_room, SELF_WITHOUT_ROOM));
+}
+
+/* Every pass may fill the pool of pairs; those without room are pushed and tested. */
 static void add_yarn_collision(const fray_world *w, fray_work *most) {
   const uint64_t pairs = (uint64_t)w->capacity[POOL_YARN_PAIRS] * SELF_PASSES;
   most->self_box_tests = saturated_product(w->capacity[POOL_CROSSINGS], SELF_VISITS * SELF_PASSES);
   most->self_pairs = saturated_product(pairs, 1);
-  most->self_ccd =
-      saturated_product(pairs, SELF_MERGES) + saturated_product(w->capacity[POOL_YARN_PAIRS], SELF_ROUNDS);
+  const uint64_t crossings = w->capacity[POOL_CROSSINGS];
+  most->self_ccd = self_ccd_most(pairs, w->capacity[POOL_YARN_PAIRS], 2u * crossings);
   most->self_merged = saturated_product(w->capacity[POOL_PARTICLES], SELF_PASSES * (SELF_MERGES + 2u) + 1u);
 }
 
@@ -58,8 +65,7 @@ static void add_triangle_collision(const fray_world *w, fray_work *most) {
   const uint64_t looks = (uint64_t)TRIANGLE_PAIR_CHECKS * collider_count(w);
   most->self_box_tests = saturated_product(triangles * (triangles + 1u) / 2u, 2 * (SELF_PASSES + 1u));
   most->self_pairs = saturated_product(pairs, 1);
-  most->self_ccd = saturated_sum(saturated_product(pairs, SELF_MERGES),
-                                 saturated_product(w->capacity[POOL_TRIANGLE_PAIRS], SELF_ROUNDS));
+  most->self_ccd = self_ccd_most(pairs, w->capacity[POOL_TRIANGLE_PAIRS], triangles);
   most->self_merged = saturated_product(w->capacity[POOL_PARTICLES], SELF_PASSES * (SELF_MERGES + 2u) + 2u);
   const uint64_t steps = (uint64_t)(uint32_t)w->membrane.constants->steps * (uint32_t)w->params->substeps;
   const uint64_t constraints = (uint64_t)SELF_CONSTRAINTS * w->capacity[POOL_PARTICLES];

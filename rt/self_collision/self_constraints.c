@@ -61,6 +61,7 @@ void self_constraints_find(fray_world *w) {
   w->attempt.begin->constraints = 0;
   move_ahead(w);
   impact_zones_begin(w);
+  w->tri.list->without_room = UINT32_MAX; /* nothing is merged by these paths */
   if (triangle_collision_find(w))
     for (uint32_t n = 0; n < w->tri.list->active; ++n)
       triangle_collision_constrain(w, &w->tri.pairs[w->tri.active[n]]);

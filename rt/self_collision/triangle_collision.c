@@ -92,6 +92,7 @@ static void merge_all(fray_world *w) {
 }
 
 static void solve(fray_world *w) {
+  w->tri.list->without_room = 0;
   for (uint32_t p = 0; p < w->p.count; ++p) w->attempt.vertices[p].pinned = 0;
   for (uint32_t pass = 0; pass < SELF_PASSES; ++pass) {
     impact_zones_begin(w);
@@ -101,7 +102,7 @@ static void solve(fray_world *w) {
     impact_zones_average(w);
     if (w->self.merged == 0) return;
     impact_zones_keep(w);
-    if (impact_zones_are_near(w) && !pin_to_bodies(w)) return;
+    if (impact_zones_are_near(w) && w->tri.list->merged_without_room == 0 && !pin_to_bodies(w)) return;
   }
   merge_all(w);
 }

@@ -19,7 +19,11 @@
 #include "rt/self_collision/patches.h"
 #include "rt/self_collision/triangle_collision.h"
 
-enum { INSERTION_SORT_MAX = 24 }; /* active pairs of a triangle; more are sorted by a heap */
+enum {
+  INSERTION_SORT_MAX = 24, /* active pairs of a triangle; more are sorted by a heap */
+  SELF_TURN = 1021,        /* triangles from the first one of a tick to that of the next */
+  SELF_TURNS = (1 << 20) - 1
+};
 
 /* ---- listing ---- */
 
@@ -83,8 +87,9 @@ static int list_stale(fray_world *w) {
   return l->pool_short == 0;
 }
 
-/* Where the pool is too small: only pairs that may collide in this tick, triangle after triangle. From
- * the first triangle on that has no room for its pairs, pairs are merged instead. */
+/* Where the pool is too small: only pairs that may collide in this tick, triangle after triangle, from
+ * another one in each tick. From the first triangle on that has no room for its pairs, only what touches is
+ * merged. */
 static void list_this_tick(fray_world *w) {
   triangle_pair_list *l = w->tri.list;
   patches_begin(w);
@@ -92,7 +97,10 @@ static void list_this_tick(fray_world *w) {
   l->this_tick_only = 1;
   patches_find_stale(w);
   patches_find_neighbours(w);
-  for (uint32_t t = 0; t < triangles_in_use(w); ++t) {
+  const uint32_t triangles = triangles_in_use(w);
+  const uint32_t first = ((uint32_t)state_tick(w->state) & SELF_TURNS) * SELF_TURN % triangles;
+  for (uint32_t n = 0; n < triangles; ++n) {
+    const uint32_t t = n < triangles - first ? first + n : first + n - triangles;
     const uint32_t pairs = l->pairs;
     const uint32_t active = l->active;
     const uint32_t own = w->tri.boxes[t].patch;
@@ -205,7 +213,7 @@ static void sort_active(fray_world *w) {
 
 int triangle_collision_find(fray_world *w) {
   triangle_pair_list *l = w->tri.list;
-  l->this_tick_only = l->active = l->out_of_range = 0;
+  l->this_tick_only = l->active = l->out_of_range = l->merged_without_room = 0;
   if (l->valid == 0)
     patches_begin(w);
   else

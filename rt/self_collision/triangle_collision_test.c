@@ -117,6 +117,16 @@ void triangle_collision_check(fray_world *w, uint32_t n) {
   check_listed(w, n, triangle_collision_gap(w, &w->tri.pairs[n]));
 }
 
+/* What has no room is merged where it touches; of so many a tick, others are left out. */
+static void merge_without_room(fray_world *w, const triangle_pair *pair) {
+  triangle_pair_list *l = w->tri.list;
+  if (l->without_room >= triangles_in_use(w) * SELF_WITHOUT_ROOM) return;
+  ++l->without_room;
+  if (has_one_vertex(w, pair) || !triangle_collision_touches(w, pair)) return;
+  triangle_collision_merge(w, pair);
+  l->merged_without_room = 1;
+}
+
 static void add_pair(fray_world *w, triangle_pair *pair, int64_t reach) {
   triangle_pair_list *l = w->tri.list;
   if (are_separated(w, pair, reach, 0)) return;
@@ -128,7 +138,7 @@ static void add_pair(fray_world *w, triangle_pair *pair, int64_t reach) {
 
   pair->was_one_vertex = had_one_vertex(&w->trimesh, pair);
   if (l->merge_rest != 0) {
-    if (!has_one_vertex(w, pair)) triangle_collision_merge(w, pair);
+    merge_without_room(w, pair);
   } else if (l->pairs < w->capacity[POOL_TRIANGLE_PAIRS]) {
     w->tri.pairs[l->pairs++] = *pair;
     check_listed(w, l->pairs - 1u, gap);

@@ -17,7 +17,9 @@
  *
  * If a particle is moved farther from its path's end than the slack that the search allowed for, the
  * pass is repeated. If the passes do not settle it, the whole cloth moves as one zone in this tick, and
- * FRAY_FAULT_SELF_COLLISION_BUDGET is set. Zones do not change velocities, so momentum is conserved to
+ * FRAY_FAULT_SELF_COLLISION_BUDGET is set. That bit also says that the search met a bound: what it found
+ * is pushed and merged as ever, what it left out may pass. A cloth that moved as one for that would be as
+ * dense in the next tick, and never move again. Zones do not change velocities, so momentum is conserved to
  * the last bit in each case. Attached particles follow their bodies: bodies that carry yarns through
  * each other are reported, not stopped. */
 #include "rt/self_collision/yarn_collision.h"
@@ -57,12 +59,14 @@ static void begin_new_particles(fray_world *w) {
 void yarn_collision_solve(fray_world *w) {
   FRAY_ASSERT(world_has_yarn_collision(w));
   begin_new_particles(w);
-  for (uint32_t pass = 0; pass < SELF_PASSES; ++pass) {
+  w->yarn.without_room = 0;
+  w->yarn.bound_met = 0;
+  for (w->yarn.pass = 0; w->yarn.pass < SELF_PASSES; ++w->yarn.pass) {
     impact_zones_begin(w);
-    if (!yarn_collision_find(w)) break;
-    if (pass == 0) (void)push_pairs(w);
+    yarn_collision_find(w);
+    if (w->yarn.pass == 0) (void)push_pairs(w);
     merge_pairs(w);
-    if (impact_zones_are_near(w)) return;
+    if (impact_zones_are_near(w) && w->yarn.moved_without_room == 0) return;
   }
-  impact_zones_join_all(w);
+  if (!w->yarn.bound_met) impact_zones_join_all(w);
 }

@@ -12,9 +12,9 @@ typedef struct {
 } yarn_segment;
 
 /* Finds all segments that may come within the thickness of each other while every particle ends within
- * the slack of its path (yarn.pairs); pairs for which there is no room are merged. Returns 0 iff the
- * bound of box tests was reached: then pairs may be missing. */
-int yarn_collision_find(fray_world *w);
+ * the slack of its path (yarn.pairs). Pairs for which there is no room are pushed at once. What the bounds of
+ * the search leave out differs from tick to tick; FRAY_FAULT_SELF_COLLISION_BUDGET says so. */
+void yarn_collision_find(fray_world *w);
 
 /* From the sum of a0 and a1 to that of b0 and b1, over 16: components in 29 bits. */
 static inline vec3 yarn_collision_between(vec3 a0, vec3 a1, vec3 b0, vec3 b1) {

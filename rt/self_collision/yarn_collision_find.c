@@ -302,15 +302,31 @@ static int are_woven_together(const fray_world *w, const yarn_segment *a, const 
   return is_along_warp(a) ? contact_is_near(w, b, a) : contact_is_near(w, a, b);
 }
 
+static void meet_bound(fray_world *w) {
+  world_fault(w, FRAY_FAULT_SELF_COLLISION_BUDGET);
+  w->yarn.bound_met = 1;
+}
+
+/* What has no room is pushed at once, in the first pass, and merged only where it touches; of so many a tick,
+ * others are left out. What may touch later by that is found in another pass. */
+static void push_without_room(fray_world *w, self_pair *pair) {
+  meet_bound(w);
+  if (w->yarn.without_room == w->capacity[POOL_CROSSINGS] * SELF_WITHOUT_ROOM) return;
+  ++w->yarn.without_room;
+  if (w->yarn.pass == 0 && yarn_collision_push(w, pair)) w->yarn.moved_without_room = 1;
+  if (!yarn_collision_touches(w, pair)) return;
+  yarn_collision_merge(w, pair);
+  w->yarn.moved_without_room = 1;
+}
+
 static void add_pair(fray_world *w, uint32_t a, uint32_t b) {
-  const self_pair pair = {(index_t)a, (index_t)b, 0, 0};
-  if (w->yarn.pair_count < w->capacity[POOL_YARN_PAIRS]) {
-    w->yarn.pairs[w->yarn.pair_count++] = pair;
-    ++w->work.self_pairs;
+  self_pair pair = {(index_t)a, (index_t)b, 0, 0};
+  if (w->yarn.pair_count == w->capacity[POOL_YARN_PAIRS]) {
+    push_without_room(w, &pair);
     return;
   }
-  world_fault(w, FRAY_FAULT_SELF_COLLISION_BUDGET);
-  yarn_collision_merge(w, &pair);
+  w->yarn.pairs[w->yarn.pair_count++] = pair;
+  ++w->work.self_pairs;
 }
 
 static int is_one_node(const node_pair *v) { return v->a.i == v->b.i && v->a.j == v->b.j; }
@@ -351,11 +367,12 @@ static int may_collide(const fray_world *w, const tree *t, const node_pair *v) {
  * stack. */
 static uint32_t push_children(const fray_world *w, const tree *t, const node_pair *v, uint64_t *stack,
                               uint32_t top) {
+  const uint32_t turn = (uint32_t)state_tick(w->state) % 4u; /* so a bound leaves out others each tick */
   const uint32_t columns = t->columns[v->level - 1u];
   const uint32_t rows = t->rows[v->level - 1u];
   for (uint32_t m = 0; m < 4; ++m)
     for (uint32_t n = is_one_node(v) ? m : 0; n < 4; ++n) {
-      const node_pair child = {child_of(v->a, m), child_of(v->b, n), v->level - 1u};
+      const node_pair child = {child_of(v->a, m ^ turn), child_of(v->b, n ^ turn), v->level - 1u};
       if (child.a.i < columns && child.b.i < columns && child.a.j < rows && child.b.j < rows &&
           may_collide(w, t, &child))
         stack[top++] = pack(child.a, child.b, child.level);
@@ -364,9 +381,9 @@ static uint32_t push_children(const fray_world *w, const tree *t, const node_pai
   return top;
 }
 
-/* Descends both nodes of a pair at once: 10 or 16 pairs of children each. Returns 0 where the budget of
- * tests is used up. */
-static int find_pairs(fray_world *w, const tree *t) {
+/* Descends both nodes of a pair at once: 10 or 16 pairs of children each. Where the budget of tests is used
+ * up, the rest is left out in this tick. */
+static void find_pairs(fray_world *w, const tree *t) {
   uint64_t stack[STACK];
   const node root = {0, 0};
   uint32_t left = w->capacity[POOL_CROSSINGS] * SELF_VISITS;
@@ -375,7 +392,10 @@ static int find_pairs(fray_world *w, const tree *t) {
   while (top > 0) {
     const node_pair v = unpack(stack[--top]);
     const uint32_t tests = v.level == 0 ? 1 : is_one_node(&v) ? 10 : 16;
-    if (left < tests) return 0;
+    if (left < tests) {
+      meet_bound(w);
+      return;
+    }
     left -= tests;
     w->work.self_box_tests += tests;
     if (v.level == 0)
@@ -383,18 +403,17 @@ static int find_pairs(fray_world *w, const tree *t) {
     else
       top = push_children(w, t, &v, stack, top);
   }
-  return 1;
 }
 
-int yarn_collision_find(fray_world *w) {
+void yarn_collision_find(fray_world *w) {
   const cloth_axes axes = axes_of(w);
   const tree t = tree_of(w);
   w->yarn.pair_count = 0;
+  w->yarn.moved_without_room = 0;
   paths_to_axes(w, &axes);
   sum_rough(w);
-  if (rough_before(w, (uint32_t)w->params->warps, (uint32_t)w->params->wefts) == 0) return 1;
+  if (rough_before(w, (uint32_t)w->params->warps, (uint32_t)w->params->wefts) == 0) return;
   set_boxes(w, &t);
-  const int is_complete = find_pairs(w, &t);
+  find_pairs(w, &t);
   FRAY_ASSERT(w->yarn.pair_count <= w->capacity[POOL_YARN_PAIRS]);
-  return is_complete;
 }

@@ -94,7 +94,9 @@ typedef struct {
   int32_t low[2], size[2]; /* at rest: where the patches begin, how wide a part is */
   uint32_t this_tick_only; /* pairs are listed for this tick alone */
   uint32_t pool_short;     /* the pool of pairs is full */
-  uint32_t merge_rest;     /* pairs that have no room are merged instead of listed */
+  uint32_t merge_rest;     /* pairs that have no room are merged where they touch, instead of listed */
+  uint32_t without_room;   /* how many of them were tested in this attempt at the tick */
+  uint32_t merged_without_room; /* in this pass, so others may touch by that */
 } triangle_pair_list;
 
 /* Two features that may meet in this tick, for its elastic steps. */

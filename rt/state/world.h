@@ -186,7 +186,11 @@ typedef struct {
   uint32_t *rough_before;          /* crossing -> how many before it are not spread out flat */
   self_pair *pairs;
   uint32_t pair_count;
+  uint32_t without_room;           /* pairs of the tick for which the pool had no room */
   uint32_t particles_before;       /* in use when the tick began */
+  uint8_t pass;                    /* over the tick's paths, from 0 */
+  uint8_t bound_met;               /* the search of this tick is not complete */
+  uint8_t moved_without_room;      /* some of these were moved in this pass, so others may touch by that */
 } yarn_collision_state;
 
 /* Self-collision of triangles: a cache that ticks share, never state. Writer:

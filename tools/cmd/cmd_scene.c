@@ -18,7 +18,8 @@ static void print_usage(FILE *out) {
   fprintf(out,
           "usage: fray scene X.scene [-o X.img] [--emit-c NAME]\n\n"
           "Compiles a scene to an image. Where the scene leaves substeps or iterations open, finds\n"
-          "them by test runs and prints them. The same scene gives the same bytes everywhere.\n\n"
+          "them by test runs and prints them. Prints the strain of woven cloth at rest, beside what it\n"
+          "may be. The same scene gives the same bytes everywhere.\n\n"
           "  -o FILE         the image (default: the scene's name with .img)\n"
           "  --emit-c NAME   writes a C array `NAME`, and `NAME_bytes`, instead of the bytes\n\n"
           "exit: 0 good, 1 writing failed, 2 wrong use or unreadable input\n");
@@ -78,12 +79,23 @@ static void print_cloth(const char *path, uint8_t *image, size_t bytes) {
   free(o.memory);
 }
 
-static void print_built(const char *output, size_t bytes, const compile_report *report) {
-  printf("%s: %zu bytes, %u substeps, %u iterations", output, bytes, report->substeps, report->iterations);
-  if (report->searched)
-    printf(", found in %u test runs, largest strain at rest %.2f %%", report->tries,
-           report->strain_q16 / 655.36);
+/* The strain that the cloth has with its substeps while bodies stay, and what it may have. */
+static void print_rest(const compile_report *report) {
+  static const char *const whose[] = {"'max_rest_strain'", "4/5 of the least 'tear'",
+                                      "4/5 of the least 'split_strain'"};
+  const int asked = report->searched || report->limit != REST_BY_MAX;
+  printf("largest strain at rest %.2f %%", report->strain_q16 / 655.36);
+  if (report->searched) printf(", found in %u test runs", report->tries);
+  if (asked) printf("; bound %.2f %%, %s", report->strain_max_q16 / 655.36, whose[report->limit]);
   printf("\n");
+  if (asked && report->strain_q16 >= report->strain_max_q16)
+    printf("warning: so it %s at rest, or as soon as it moves: take more substeps, or 'auto'\n",
+           report->limit == REST_BY_SPLIT ? "splits" : "tears");
+}
+
+static void print_built(const char *output, size_t bytes, const compile_report *report) {
+  printf("%s: %zu bytes, %u substeps, %u iterations\n", output, bytes, report->substeps, report->iterations);
+  if (report->strain_max_q16 > 0) print_rest(report);
   if (report->stretch_steps > 0)
     printf("yarns take %u elastic steps a substep, %u a tick, for their stiffness, mass and spacing\n",
            report->stretch_steps, report->stretch_steps * report->substeps);

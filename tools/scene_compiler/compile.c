@@ -288,18 +288,36 @@ static uint32_t fall_steps(const params *p) {
 
 enum { SETTLE_TICKS_MAX = 100000 };
 
+/* A share of the strain at which something splits or tears: what is left is for motion. */
+static exact rest_strain_of(exact least) { return exact_mul(least, exact_make(4, 5)); }
+
+/* The lowest of what cloth may be strained by at rest. max_rest_strain is for `auto` alone. */
+static exact rest_strain_max(const scene *s, int searched, rest_limit *limit) {
+  exact most = searched || !s->woven.tearing ? s->max_rest_strain : rest_strain_of(s->woven.tear_min);
+  *limit = searched || !s->woven.tearing ? REST_BY_MAX : REST_BY_TEAR;
+  if (s->woven.tearing && exact_compare(rest_strain_of(s->woven.tear_min), most) < 0) {
+    most = rest_strain_of(s->woven.tear_min);
+    *limit = REST_BY_TEAR;
+  }
+  if (s->woven.tearing && s->woven.yarns == 1 &&
+      exact_compare(rest_strain_of(s->woven.split_strain_min), most) < 0) {
+    most = rest_strain_of(s->woven.split_strain_min);
+    *limit = REST_BY_SPLIT;
+  }
+  return most;
+}
+
 static int find_work(const scene *s, const char *file, compile_report *report, settle_rest *rest,
                      compile_progress *progress, void *context, scene_error *error) {
-  settle_request plan = {file, 0, 0, 0, progress, context};
   int64_t ticks;
   int64_t bound;
-  int64_t tear_min;
   report->substeps = s->substeps == 0 && s->membrane.present ? MEMBRANE_SUBSTEPS : s->substeps;
   report->iterations = s->iterations;
   report->searched = !s->membrane.present && (s->substeps == 0 || s->iterations == 0);
+  const exact strain = rest_strain_max(s, report->searched, &report->limit);
+  settle_request plan = {file, 0, 0, 0, strain, progress, context};
   if (!exact_to_fixed(exact_mul(s->settle, exact_make(s->rate_hz, 1)), 0, &ticks) || ticks < 0 ||
-      ticks > SETTLE_TICKS_MAX || !exact_to_fixed(s->max_rest_strain, 16, &bound) || bound < 1 ||
-      !exact_to_fixed(s->woven.tear_min, 16, &tear_min)) {
+      ticks > SETTLE_TICKS_MAX || !exact_to_fixed(strain, 16, &bound) || bound < 1) {
     char message[160];
     char found[SOURCE_SAID + 24];
     char most[SOURCE_VALUE];
@@ -313,9 +331,23 @@ static int find_work(const scene *s, const char *file, compile_report *report, s
   }
   plan.rest_ticks = (uint32_t)ticks;
   plan.ticks = report->searched ? s->rate_hz / 2 : 0;
-  plan.strain_max_q16 = (int32_t)(s->woven.tearing && tear_min < bound ? tear_min : bound);
+  plan.strain_max_q16 = (int32_t)bound;
+  report->strain_max_q16 = s->membrane.present ? 0 : (int32_t)bound;
   if (!report->searched && ticks == 0) return 1;
   return settle_scene(s, &plan, report, rest, error);
+}
+
+int compile_rest_strain(const scene *s, const char *file, compile_report *report, compile_progress *progress,
+                        void *context, scene_error *error) {
+  int64_t ticks = 0;
+  settle_rest rest;
+  memset(&rest, 0, sizeof rest);
+  (void)exact_to_fixed(exact_mul(s->settle, exact_make(s->rate_hz, 1)), 0, &ticks);
+  const settle_request plan = {file, (uint32_t)ticks, s->rate_hz / 2, INT32_MAX, exact_make(1, 1), progress,
+                              context};
+  const int good = settle_scene(s, &plan, report, &rest, error);
+  free_rest(&rest);
+  return good;
 }
 
 int compile_image(const scene *s, const char *file, uint8_t **image, size_t *image_bytes,

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The test run of Metaaphanon 2009, section 4.1: the simulation "without tearing forces" (hands and paths
  * at rest, no thrown bodies, no tears), to find the substeps (or iterations, whichever is `auto`) that keep
- * every spring below its tear strain. Tries rising numbers. A try ends when a spring exceeds the bound
- * after the cloth has come to rest; as strain falls with the square of the substeps, hopeless tries are
- * skipped. */
+ * every spring below what splits its ends or tears it, with a margin (rest_strain_max()). Tries rising
+ * numbers. A try ends when a spring exceeds the bound after the cloth has come to rest; as strain falls
+ * with the square of the substeps, hopeless tries are skipped. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -212,8 +212,8 @@ static const char *advise(const scene *s, const settle_request *plan, int crowde
 static void refuse_trials(const scene *s, const settle_request *plan, const compile_report *report,
                           const trial *t, scene_error *error) {
   const char *key = s->substeps == 0 ? "substeps" : "iterations";
-  const exact most = exact_make(plan->strain_max_q16, 65536);
-  const int by_tear = exact_compare(most, s->max_rest_strain) < 0;
+  static const char *const limits[] = {"'max_rest_strain'", "four fifths of the least strain of 'tear'",
+                                       "four fifths of the least strain of 'split_strain'"};
   const int crowded = (t->faults & FRAY_FAULT_SELF_COLLISION_BUDGET) != 0;
   char message[sizeof error->message];
   char advice[160];
@@ -234,8 +234,8 @@ static void refuse_trials(const scene *s, const settle_request *plan, const comp
              report->substeps, report->iterations, key,
              crowded ? ", where self-collision ran out of pairs or rounds (SELF_COLLISION_BUDGET)" : "",
              source_value(&s->source, BLOCK_SCENE, "max_rest_strain", UNIT_SHARE,
-                          by_tear ? s->woven.tear_min : s->max_rest_strain, 0, bound),
-             by_tear ? "the least strain of 'tear'" : "'max_rest_strain'",
+                          plan->strain_max, 0, bound),
+             limits[report->limit],
              advise(s, plan, crowded, key, advice, sizeof advice));
   const int written = source_find(&s->source, BLOCK_SCENE, key) != NULL;
   scene_refuse(error, plan->file,

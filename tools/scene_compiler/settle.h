@@ -11,6 +11,7 @@ typedef struct {
   uint32_t rest_ticks;     /* with strong drag, before tick 0 */
   uint32_t ticks;          /* of a test run after that; 0: none, as substeps and iterations are given */
   int32_t strain_max_q16;  /* every spring stays below */
+  exact strain_max;        /* the same */
   compile_progress *progress;
   void *context;
 } settle_request;

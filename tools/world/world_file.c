@@ -41,8 +41,11 @@ static void show_test_run(void *context, uint32_t substeps, uint32_t iterations,
 
 static int is_image(const uint8_t *data, size_t bytes) { return bytes >= 4 && memcmp(data, "FRAY", 4) == 0; }
 
+/* The strain at rest is measured where the report is wanted. */
 static uint8_t *compile(const char *path, const char *text, size_t text_bytes, size_t *bytes,
-                        compile_report *report, FILE *err) {
+                        compile_report *wanted, FILE *err) {
+  compile_report own;
+  compile_report *report = wanted != NULL ? wanted : &own;
   scene_error error;
   uint8_t *image = NULL;
   if (memchr(text, 0, text_bytes) != NULL) {
@@ -51,9 +54,15 @@ static uint8_t *compile(const char *path, const char *text, size_t text_bytes, s
   }
   memset(&error, 0, sizeof error);
   scene *s = malloc(sizeof *s);
-  const int good = s != NULL && scene_parse(path, text, text_bytes, s, &error) &&
-                   compile_image(s, path, &image, bytes, report, show_test_run, NULL, &error);
+  int good = s != NULL && scene_parse(path, text, text_bytes, s, &error) &&
+             compile_image(s, path, &image, bytes, report, show_test_run, NULL, &error);
+  if (good && wanted != NULL && !report->searched && !s->membrane.present)
+    good = compile_rest_strain(s, path, report, show_test_run, NULL, &error);
   progress_end();
+  if (!good) {
+    free(image);
+    image = NULL;
+  }
   if (good) print_notes(err, path, s);
   if (s == NULL) fprintf(err, "%s: not enough memory to compile it\n", path);
   if (s != NULL && !good) print_scene_error(err, path, &error);
@@ -135,9 +144,8 @@ int world_file_open(const char *path, struct world_file *out, FILE *err) {
     return OPEN_FAILED;
   }
   if (!is_image(out->image, out->image_bytes)) {
-    compile_report report;
     uint8_t *text = out->image;
-    out->image = compile(path, (const char *)text, out->image_bytes, &out->image_bytes, &report, err);
+    out->image = compile(path, (const char *)text, out->image_bytes, &out->image_bytes, NULL, err);
     free(text);
     if (out->image == NULL) return OPEN_FAILED;
   }
