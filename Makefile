@@ -151,8 +151,8 @@ $(IMAGE_16) $(WIDE_16) &: force
 
 run: command ## tear a sheet with two hands from a log of the bus; results in out/
 	@mkdir -p out
-	$(FRAY) scene tests/scenes/two_hands.scene -o out/two_hands.img
-	$(FRAY) run out/two_hands.img --log tests/scenes/two_hands.log --record out/two_hands.log --report out
+	$(FRAY) scene tests/scenes/two_hands_yarns.scene -o out/two_hands.img
+	$(FRAY) run out/two_hands.img --log tests/scenes/two_hands_yarns.log --record out/two_hands.log --report out
 	$(FRAY) verify out/two_hands.log --scene out/two_hands.img
 
 test: programs ## run every test; SUITES="cli tidy" picks shell suites; PART=2/4 of tables of code, stack, cppcheck

@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # figures.sh [NAME...]: runs the scenes of list.txt, or some of them, and writes their pictures to
 # out/figures/NAME and a contact sheet of each to out/figures/NAME.png. Every scene must tear and fray, and
-# must not fray with its yarns off; its work keeps to the image's bound, and events to a quarter of it;
-# its contact sheet is the same to the byte a second time, with scalar kernels. Sheets of triangles must tear,
+# must not fray with its yarns off; without its shear lock, as the paper has it, it is printed beside; its work
+# keeps to the image's bound, and events to a quarter of it; its contact sheet is the same to the byte a second
+# time, with scalar kernels. Sheets of triangles must tear,
 # or stay whole where the list says so, without a fault, and give the same contact sheet. SIZE is WIDTHxHEIGHT.
 # UPDATE=update writes the figures to tests/results.tsv.
 . tests/lib/suite.sh
@@ -58,6 +59,9 @@ one_figure() {
   sed 's/^  yarns on$/  yarns off/' "$scene" >"$work/off.scene"
   run "$work/off.scene" || return 1
   off=$(said 'fray *\([0-9.]*\) cm of loose')
+  sed '/^  shear_lock /d' "$scene" >"$work/paper.scene"
+  run "$work/paper.scene" || return 1
+  paper=$(said 'fray *\([0-9.]*\) cm of loose')
   pictures
 }
 
@@ -83,10 +87,11 @@ judge() {
   save loose_ends "$fray" cm/cm
   save open "$open" cm
   save off "$off" cm/cm
+  save paper "$paper" cm/cm
   save intact "$intact" ''
   save torn "$torn" ''
   save events "$events of $events_most %" ''
-  printf '%-13s %6s %6s %7s %7s %8s %8s %9s\n' "$name" "$tears" "$fray" "$open" "$off" "$intact" "$torn" \
+  printf '%-13s %6s %6s %6s %7s %7s %8s %8s %9s\n' "$name" "$tears" "$fray" "$paper" "$open" "$off" "$intact" "$torn" \
     "$events of $events_most"
   holds "$name: does not tear or fray" is_true "$tears > 0 && $fray > 0.1"
   holds "$name: frays without yarns" is_true "$off == 0"
@@ -94,8 +99,9 @@ judge() {
   holds "$name: another picture" cmp -s "$out/$name.png" "$work/again/sheet.png"
 }
 
-echo '                     loose ends  open  without   worst of median      events, %'
-printf '%-13s %6s %6s %7s %7s %8s %8s %9s\n' figure tears cm/cm cm yarns intact torn 'of bound'
+echo '                     loose ends, of    open  without   worst of median      events, %'
+echo '                     this the paper'
+printf '%-13s %6s %6s %6s %7s %7s %8s %8s %9s\n' figure tears cm/cm cm/cm cm yarns intact torn 'of bound'
 while read -r name scene log times focus view looks fate; do
   case $name in '' | '#'*) continue ;; esac
   case " $* " in *" $name "* | '  ') ;; *) continue ;; esac

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "rt/state/crossing.h"
 #include "rt/state/world.h"
 
 uint32_t picture_springs(uint32_t warps, uint32_t wefts) {
@@ -14,6 +15,8 @@ void picture_source_close(picture_source *s) {
   free(s->crossings);
   free(s->split);
   free(s->half_gap);
+  free(s->touching);
+  for (int axis = 0; axis < AXES; axis++) free(s->place[axis]);
   free(s->pinned);
   free(s->springs);
   free(s->load);
@@ -33,12 +36,14 @@ int picture_source_reserve(picture_source *s, uint32_t warps, uint32_t wefts, ui
   s->crossings = calloc(crossings + 1, sizeof *s->crossings);
   s->split = calloc(crossings + 1, sizeof *s->split);
   s->half_gap = calloc(crossings + 1, sizeof *s->half_gap);
+  s->touching = calloc(crossings + 1, sizeof *s->touching);
+  for (int axis = 0; axis < AXES; axis++) s->place[axis] = calloc(crossings + 1, sizeof *s->place[axis]);
   s->pinned = calloc(crossings + 1, sizeof *s->pinned);
   s->springs = calloc(springs + 1, sizeof *s->springs);
   s->load = calloc(springs + 1, sizeof *s->load);
   s->bodies = calloc((size_t)bodies + 1, sizeof *s->bodies);
-  if (!s->crossings || !s->split || !s->half_gap || !s->pinned || !s->springs || !s->load ||
-      !s->bodies) {
+  if (!s->crossings || !s->split || !s->half_gap || !s->touching || !s->place[AXIS_WEFT] ||
+      !s->place[AXIS_WARP] || !s->pinned || !s->springs || !s->load || !s->bodies) {
     picture_source_close(s);
     return 0;
   }
@@ -83,6 +88,18 @@ static void read_crossing(picture_source *s, const fray_world *world, const fray
   s->split[crossing] = n[AXIS_WEFT] != n[AXIS_WARP];
   const uint32_t holder = n[0] < p->attached ? fray_attached_body(world, n[0]) : UINT32_MAX;
   s->pinned[crossing] = holder < s->body_count && s->bodies[holder].shape == FRAY_ANCHOR;
+}
+
+/* Where the yarns of a split crossing touch, if they still do. */
+static void read_contact(picture_source *s, const fray_world *world, uint32_t crossing) {
+  s->touching[crossing] = 0;
+  if (!s->split[crossing] || crossing_state_at(world, crossing) == FRAY_DISCONNECTED) return;
+  if (world->woven.crossing_state[crossing] & CROSSING_LEFT) return;
+  const yarn_contact *held = world->woven.contacts + crossing_contact(world, crossing);
+  s->touching[crossing] = 1;
+  for (int axis = 0; axis < AXES; axis++)
+    s->place[axis][crossing] =
+        (float)held->place[axis == AXIS_WARP ? FRAY_WARP : FRAY_WEFT] / (float)YARN_PLACE_ONE - 0.5f;
 }
 
 static void read_springs(picture_source *s, const fray_world *world, const fray_particles *p,
@@ -164,6 +181,7 @@ int picture_source_read(picture_source *s, const fray_world *world) {
     s->bodies[k].mm = mm_per_q24;
   }
   for (uint32_t k = 0; k < s->warps * s->wefts; k++) read_crossing(s, world, &p, k, mm_per_q24);
+  for (uint32_t k = 0; k < s->warps * s->wefts; k++) read_contact(s, world, k);
   read_springs(s, world, &p, facts.springs[FRAY_STRUCTURAL], mm_per_q24);
   if (!read_triangles(s, world, &p, &facts, mm_per_q24)) {
     picture_source_close(s);

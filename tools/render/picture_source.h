@@ -39,6 +39,8 @@ typedef struct {
   v3 *crossings;   /* [j * warps + i]; of a split one the middle between its two particles */
   uint8_t *split;  /* per crossing: its yarns have a particle each */
   v3 *half_gap;      /* half the way from the weft's particle to the warp's; 0 where not split */
+  uint8_t *touching; /* per split crossing: its yarns hold each other, at */
+  float *place[AXES]; /* a place on each: points from the yarn's first one */
   uint8_t *pinned; /* per crossing: held in place by an anchor */
   uint8_t *springs; /* SPRING_*, by canonical number, see fray_weave */
   float *load;     /* per spring: strain over the strain at which it is cut; < 0: slack */

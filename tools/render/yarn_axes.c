@@ -19,15 +19,20 @@ static int neighbour(const picture_source *s, uint32_t i, uint32_t j, int way, u
   return 1;
 }
 
+static v3 particle_at(const picture_source *s, int axis, uint32_t crossing) {
+  return v3_add_scaled(s->crossings[crossing], s->half_gap[crossing], axis == AXIS_WARP ? 1.0f : -1.0f);
+}
+
 /* The mean of the normals of up to four triangles around a crossing; zero where there is none. */
 static v3 normal_at(const picture_source *s, uint32_t i, uint32_t j) {
-  const v3 here = s->crossings[j * s->warps + i];
+  const uint32_t here = j * s->warps + i;
   v3 way[4], sum = {0, 0, 0};
   int has[4];
   for (int k = 0; k < 4; k++) {
+    const int axis = k % 2 == 0 ? AXIS_WEFT : AXIS_WARP;
     uint32_t at = 0;
     has[k] = neighbour(s, i, j, k, &at);
-    way[k] = v3_sub(s->crossings[at], here);
+    way[k] = v3_sub(particle_at(s, axis, at), particle_at(s, axis, here));
   }
   for (int k = 0; k < 4; k++) {
     const int next = (k + 1) % 4;
@@ -79,16 +84,9 @@ float yarn_axes_side(const yarn_axes *a, int axis, uint32_t crossing) {
 
 v3 yarn_axes_at(const yarn_axes *a, int axis, uint32_t crossing) {
   const picture_source *s = a->source;
-  const v3 middle = s->crossings[crossing];
-  if (s->split[crossing])
-    return v3_add_scaled(middle, s->half_gap[crossing], axis == AXIS_WARP ? 1.0f : -1.0f);
-  return v3_add_scaled(middle, a->normal[crossing], yarn_axes_side(a, axis, crossing) * 0.5f * a->apart);
-}
-
-float yarn_axes_tight(const yarn_axes *a, uint32_t crossing) {
-  if (!a->source->split[crossing]) return 1.0f;
-  const float gap = 2.0f * v3_length(a->source->half_gap[crossing]);
-  return clamp01(1.5f - 0.5f * gap / a->apart);
+  if (s->split[crossing]) return particle_at(s, axis, crossing);
+  return v3_add_scaled(s->crossings[crossing], a->normal[crossing],
+                       yarn_axes_side(a, axis, crossing) * 0.5f * a->apart);
 }
 
 uint32_t yarn_paths(const picture_source *source, int axis) {
@@ -106,6 +104,10 @@ uint32_t yarn_path_crossing(const yarn_path *path, uint32_t point) {
 
 v3 yarn_path_at(const yarn_path *path, uint32_t point) {
   return yarn_axes_at(path->axes, path->axis, yarn_path_crossing(path, point));
+}
+
+v3 yarn_path_particle(const yarn_path *path, uint32_t point) {
+  return particle_at(path->axes->source, path->axis, yarn_path_crossing(path, point));
 }
 
 uint32_t yarn_path_spring(const yarn_path *path, uint32_t point) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Where the yarns of a sheet run: from end to end, a point at every crossing, a piece between two
- * points that lives or is cut. This is all that pictures of yarns know of split crossings. */
+ * points that lives or is cut. */
 #ifndef FRAY_TOOLS_RENDER_YARN_AXES_H
 #define FRAY_TOOLS_RENDER_YARN_AXES_H
 
@@ -18,8 +18,6 @@ void yarn_axes_close(yarn_axes *a);
 /* The point of a crossing's yarn: its own particle, or, where the crossing has not split, half the
  * thickness off the node along the cloth's normal, to the side that the weave says. */
 v3 yarn_axes_at(const yarn_axes *a, int axis, uint32_t crossing);
-/* 1: at rest on its partner, 0: so far away that no cloth is left there. */
-float yarn_axes_tight(const yarn_axes *a, uint32_t crossing);
 /* +1 where this yarn lies on the normal's side, else -1. */
 float yarn_axes_side(const yarn_axes *a, int axis, uint32_t crossing);
 
@@ -33,6 +31,8 @@ uint32_t yarn_paths(const picture_source *source, int axis);
 yarn_path yarn_path_of(const yarn_axes *a, int axis, uint32_t number);
 uint32_t yarn_path_crossing(const yarn_path *path, uint32_t point);
 v3 yarn_path_at(const yarn_path *path, uint32_t point);
+/* The same without the wave of the weave. */
+v3 yarn_path_particle(const yarn_path *path, uint32_t point);
 /* The spring between a point and the next one; UINT32_MAX behind the last. */
 uint32_t yarn_path_spring(const yarn_path *path, uint32_t point);
 int yarn_path_joined(const yarn_path *path, uint32_t point);

@@ -5,9 +5,14 @@
 
 #include "tools/render/tube.h"
 #include "tools/render/yarn_axes.h"
+#include "tools/render/yarn_touch.h"
 
 /* In spacings: half the width of a yarn that lies in cloth, the radius of one that hangs loose. */
 static const float half_width = 0.53f, loose_radius = 0.29f;
+/* Where a yarn slides on another one: how flat it is, and how far off its own line, in its thickness. */
+static const float slid_tight = 0.6f, slid_lift = 0.6f;
+/* Runs with fewer pieces are lint, unless a whole crossing holds them. */
+enum { LINT_PIECES = 2 };
 /* How far a yarn goes on behind its last crossing: where it is torn, and at the sheet's rim. */
 static const float torn_length = 0.75f, rim_length = 0.42f;
 enum { TIP_RINGS = 6 };
@@ -27,6 +32,7 @@ typedef struct {
   yarn_axes axes;
   tube pen;
   uint32_t pieces; /* rings a spring */
+  yarn_touches touches; /* of the yarn that is drawn */
   yarn_end *ends;
   size_t end_count, end_room;
   int failed;
@@ -67,6 +73,18 @@ static void keep_end(weave_job *k, const tube_ring *base, float sign, int torn) 
   ++k->end_count;
 }
 
+static int is_whole(const weave_job *k, uint32_t crossing) { return !k->source->split[crossing]; }
+
+/* 1: flat, as in cloth, 0: a thread in the air, or the end of one. */
+static float tight_at(const weave_job *k, const yarn_path *path, uint32_t point) {
+  float touch = 0.0f;
+  if (is_whole(k, yarn_path_crossing(path, point))) return 1.0f;
+  const int ends = (point > 0 && !yarn_path_joined(path, point - 1)) ||
+                   (point + 1 < path->count && !yarn_path_joined(path, point));
+  if (!ends) (void)yarn_touches_at(&k->touches, (float)point, &touch);
+  return slid_tight * touch;
+}
+
 /* The ring at a point of a yarn, or, at `s` of the way to the next point, between the two. */
 static tube_ring ring_between(const weave_job *k, walker *w, uint32_t point, float s) {
   const yarn_path *path = &w->path;
@@ -75,12 +93,16 @@ static tube_ring ring_between(const weave_job *k, walker *w, uint32_t point, flo
   const uint32_t there = s > 0.0f ? yarn_path_crossing(path, point + 1) : here;
   const float soft = s * s * (3.0f - 2.0f * s);
   const float tight =
-      yarn_axes_tight(axes, here) * (1.0f - soft) + yarn_axes_tight(axes, there) * soft;
+      tight_at(k, path, point) * (1.0f - soft) + (s > 0.0f ? tight_at(k, path, point + 1) : 0.0f) * soft;
   v3 other = axes->normal[there];
   const v3 away_here = v3_scale(axes->normal[here], yarn_axes_side(axes, path->axis, here));
   const v3 away_there = v3_scale(other, yarn_axes_side(axes, path->axis, there));
   if (v3_dot(other, axes->normal[here]) < 0.0f) other = v3_scale(other, -1.0f);
-  v3 up = v3_add_scaled(v3_scale(axes->normal[here], 1.0f - s), other, s);
+  float touch = 0.0f;
+  const v3 slid = yarn_touches_at(&k->touches, (float)point + s, &touch);
+  const float whole_here = is_whole(k, here) ? 1.0f - s : 0.0f, whole_there = is_whole(k, there) ? s : 0.0f;
+  v3 up = v3_add_scaled(v3_scale(axes->normal[here], whole_here), other, whole_there);
+  up = v3_add_scaled(up, slid, v3_dot(slid, w->up) < 0.0f ? -1.0f : 1.0f);
   if (v3_dot(up, w->up) < 0.0f) up = v3_scale(up, -1.0f);
   w->up = v3_unit(v3_add_scaled(v3_scale(w->up, 1.0f - tight), up, tight + 1e-3f));
   const float spacing = k->source->spacing, flat = axes->apart;
@@ -88,7 +110,9 @@ static tube_ring ring_between(const weave_job *k, walker *w, uint32_t point, flo
   tube_ring r = {.up = w->up, .tight = tight, .alpha = 1.0f, .length = w->length};
   r.wide = spacing * (half_width * crimp * tight + loose_radius * (1.0f - tight));
   r.thick = flat * tight + spacing * loose_radius * (1.0f - tight);
-  r.away = v3_scale(v3_add_scaled(v3_scale(away_here, 1.0f - soft), away_there, soft), tight);
+  r.at = v3_scale(slid, slid_lift * r.thick); /* to where the spline is */
+  r.away = v3_add(slid, v3_scale(away_here, is_whole(k, here) ? 1.0f - soft : 0.0f));
+  r.away = v3_add_scaled(r.away, away_there, is_whole(k, there) ? soft : 0.0f);
   r.load = load_at(path, point);
   if (s > 0.0f) r.load = r.load * (1.0f - s) + load_at(path, point + 1) * s;
   return r;
@@ -102,11 +126,11 @@ static yarn_path partner_of(const walker *w, uint32_t crossing) {
 
 /* A crossing where the yarn is torn on both sides is a yarn of no length, which shows only where it still
  * lies on a partner. */
-static int stray_shows(const walker *w, uint32_t point) {
+static int stray_shows(const weave_job *k, const walker *w, uint32_t point) {
   const uint32_t crossing = yarn_path_crossing(&w->path, point);
   const yarn_path partner = partner_of(w, crossing);
   const uint32_t at = w->path.number;
-  return yarn_axes_tight(w->path.axes, crossing) > 0.0f &&
+  return is_whole(k, crossing) &&
          (yarn_path_joined(&partner, at) || (at > 0 && yarn_path_joined(&partner, at - 1)));
 }
 
@@ -119,6 +143,25 @@ static v3 stray_direction(const walker *w, uint32_t point) {
   return v3_length(across) > 1e-6f ? v3_unit(across) : (v3){0.7071068f, 0.0f, 0.7071068f};
 }
 
+/* Whether the run that begins at a point is long enough, or a part of whole cloth. */
+static int shows(const weave_job *k, const walker *w, uint32_t point) {
+  uint32_t end = point;
+  int held = 0;
+  if (!yarn_path_joined(&w->path, point)) return stray_shows(k, w, point);
+  while (yarn_path_joined(&w->path, end)) ++end;
+  for (uint32_t n = point; n <= end; n++) held |= is_whole(k, yarn_path_crossing(&w->path, n));
+  return held || end - point >= LINT_PIECES;
+}
+
+/* How the wave of touches changes along a yarn, for a spacing. */
+static v3 slope_of(const weave_job *k, float place) {
+  const float step = 1.0f / 32.0f;
+  float touch = 0.0f;
+  const v3 before = yarn_touches_at(&k->touches, place - step, &touch);
+  const v3 behind = yarn_touches_at(&k->touches, place + step, &touch);
+  return v3_scale(v3_sub(behind, before), 0.5f / step);
+}
+
 static void draw_piece(weave_job *k, walker *w, uint32_t point, v3 from, v3 to, v3 out, v3 in) {
   const float length = v3_length(v3_sub(to, from));
   const float begun = w->length;
@@ -129,9 +172,10 @@ static void draw_piece(weave_job *k, walker *w, uint32_t point, v3 from, v3 to, 
     v3 at = v3_scale(from, 2 * s3 - 3 * s2 + 1);
     at = v3_add_scaled(at, out, s3 - 2 * s2 + s);
     at = v3_add_scaled(at, to, 3 * s2 - 2 * s3);
-    r.at = v3_add_scaled(at, in, s3 - s2);
+    r.at = v3_add(r.at, v3_add_scaled(at, in, s3 - s2));
     v3 along = v3_scale(v3_sub(to, from), 6 * s - 6 * s2);
     along = v3_add_scaled(along, out, 3 * s2 - 4 * s + 1);
+    along = v3_add_scaled(along, slope_of(k, (float)point + s), slid_lift * r.thick);
     r.along = v3_unit(v3_add_scaled(along, in, 3 * s2 - 2 * s));
     tube_add(&k->pen, &r);
     if (n == k->pieces && !yarn_path_joined(&w->path, point + 1)) {
@@ -144,14 +188,17 @@ static void draw_piece(weave_job *k, walker *w, uint32_t point, v3 from, v3 to, 
 static void draw_yarn(weave_job *k, int axis, uint32_t number) {
   walker w = {.path = yarn_path_of(&k->axes, axis, number)};
   v3 at = yarn_path_at(&w.path, 0), tangent = yarn_path_tangent(&w.path, 0);
+  int shown = 0;
   k->pen.colour = cloth_yarn_colour(k->style, axis == AXIS_WARP, number);
+  yarn_touches_read(&k->touches, &w.path);
   for (uint32_t n = 0; n < w.path.count; n++) {
     const int joined = yarn_path_joined(&w.path, n);
     const int begins = n == 0 || !yarn_path_joined(&w.path, n - 1);
-    if (begins && (joined || stray_shows(&w, n))) {
+    if (begins) shown = shows(k, &w, n);
+    if (begins && shown) {
       w.up = k->axes.normal[yarn_path_crossing(&w.path, n)];
       tube_ring r = ring_between(k, &w, n, 0.0f);
-      r.at = at;
+      r.at = v3_add(r.at, at);
       r.along = joined ? v3_unit(tangent) : stray_direction(&w, n);
       tube_begin(&k->pen);
       tube_add(&k->pen, &r);
@@ -160,7 +207,7 @@ static void draw_yarn(weave_job *k, int axis, uint32_t number) {
     }
     if (n + 1 == w.path.count) break;
     const v3 next = yarn_path_at(&w.path, n + 1), next_tangent = yarn_path_tangent(&w.path, n + 1);
-    if (joined) draw_piece(k, &w, n, at, next, tangent, next_tangent);
+    if (joined && shown) draw_piece(k, &w, n, at, next, tangent, next_tangent);
     at = next;
     tangent = next_tangent;
   }
@@ -216,7 +263,12 @@ int yarn_cloth_picture_draw(canvas *c, const camera *cam, const lighting *light,
   if (source->warps == 0 || source->wefts == 0) return 1;
   k.pen = (tube){.c = c, .cam = cam, .light = light, .strain = style->strain};
   k.pen.ply = 0.6f * source->spacing;
-  if (!yarn_axes_open(&k.axes, source)) return 0;
+  const uint32_t points = source->warps > source->wefts ? source->warps : source->wefts;
+  k.touches.list = malloc(points * sizeof *k.touches.list);
+  if (!k.touches.list || !yarn_axes_open(&k.axes, source)) {
+    free(k.touches.list);
+    return 0;
+  }
   const float pixels = light ? spacing_pixels(&k) : 1.0f;
   k.pieces = pixels < 4.0f ? 2 : pixels < 16.0f ? 4 : 8;
   k.pen.texture = clamp01((pixels - 3.0f) / 8.0f);
@@ -226,6 +278,7 @@ int yarn_cloth_picture_draw(canvas *c, const camera *cam, const lighting *light,
   if (k.end_count > 0) qsort(k.ends, k.end_count, sizeof *k.ends, farther_first);
   for (size_t n = 0; n < k.end_count; n++) draw_end(&k, k.ends + n);
   free(k.ends);
+  free(k.touches.list);
   yarn_axes_close(&k.axes);
   return !k.failed;
 }
