@@ -148,7 +148,14 @@ typedef enum { FRAY_READY = 1, FRAY_OPERATIONAL = 2, FRAY_SAFE = 3 } fray_state;
     "Use a coarser mesh, or move more slowly.") \
   X(FRAY_FAULT_TRIANGLES_FULL, 11, "TrianglesFull", \
     "No spare triangle is left: a membrane does not tear or is not cut there.", \
-    "Raise `spare_triangles` in the limits of the scene.")
+    "Raise `spare_triangles` in the limits of the scene.") \
+  X(FRAY_FAULT_OVERSTRETCHED, 12, "Overstretched", \
+    "A triangle of a membrane was drawn to about three times its size: its strain counts as no more than 4, " \
+    "and the energy ledger does not have the work of what is beyond.", \
+    "Give the cloth a strain limit or a strength, or draw it less far.") \
+  X(FRAY_FAULT_SPEED_LIMIT, 13, "SpeedLimit", \
+    "A vertex of a membrane ended a substep at the limit of speed, 4 lu a substep.", \
+    "Take lighter loads or heavier cloth, a higher rate or more substeps.")
 
 #define FRAY_FAULT_VALUE(name, bit, signal, cause, action) name = 1u << (bit),
 #define FRAY_FAULT_OR(name, bit, signal, cause, action) name |
