@@ -40,7 +40,8 @@ int32_t step_mass_of(uint64_t k);
 
 /* Velocity of a body, or 0 for STEP_NO_BODY. */
 vec3 step_body_velocity(const fray_world *w, uint32_t b);
-/* The velocity that the impulses so far lead to, Q28; without a step that before it. */
+/* The velocity that the impulses so far lead to, Q28. Without a step, where it is metered: that before it, with
+ * what constraints have changed of it so far. */
 vec3 step_velocity(const fray_world *w, uint32_t p, const elastic_step *step);
 /* An impulse, Q26, on a vertex, or on the body that holds it. Returns what it took: sums saturate.
  */
@@ -63,7 +64,7 @@ static inline int step_is_metered(const fray_world *w) {
 #endif
 }
 /* Enters the work of an impulse into a row of the energy ledger: a mass, its change of velocity,
- * and the relative velocities before the step and behind the impulse. */
+ * and the relative velocities without a step and behind the impulse. */
 void step_book(fray_world *w, fray_energy_stage stage, int32_t mass, vec3 change, vec3 before,
                vec3 behind);
 

@@ -138,6 +138,9 @@ typedef struct {
     elastic_impulse *max_stress;   /* membrane_tear.c: bounds of the stress around a vertex */
   };
   elastic_impulse *external_impulse; /* that of loads and wind */
+#if FRAY_ENERGY
+  elastic_impulse *forces; /* impulse before those of constraints, where the world is watched */
+#endif
   elastic_body *bodies;
   contact_constraint *constraints; /* of a substep */
   uint32_t constraint_count;
