@@ -104,8 +104,8 @@ typedef struct {
 
 typedef enum { FRAY_READY = 1, FRAY_OPERATIONAL = 2, FRAY_SAFE = 3 } fray_state;
 
-/* Sticky fault bits; FRAY_COMMAND_RESET clears them in SAFE (HALT leads there). X(name, bit, STATUS
- * signal, cause, advice): enum, dictionary, `fray run` and page (rt/wire/README.md, "Faults") are made of this. */
+/* Sticky fault bits; FRAY_COMMAND_RESET clears them in SAFE (HALT leads there). X(name, bit, STATUS signal,
+ * cause, advice): enum, dictionary, `fray run` and page (rt/wire/README.md, "Faults") are made of this. */
 #define FRAY_FAULTS(X) \
   X(FRAY_FAULT_STALE_LEFT, 0, "StaleLeft", \
     "The left hand sent no good pose for too many ticks; the world went to SAFE.", \

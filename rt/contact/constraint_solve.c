@@ -120,10 +120,6 @@ static void solve_constraint(fray_world *w, contact_constraint *c, const elastic
   int32_t along;
   const vec3 change = step_contact_change(velocity, c->normal, least, friction, &along);
   if (vec_span(change) != 0) {
-    if (step_is_metered(w))
-      step_book(w, FRAY_ENERGY_CONTACT, c->mass, change,
-                vec_sub_saturated(point_velocity(w, c, NULL), step_body_velocity(w, c->body)),
-                vec_add_clamped(velocity, change, INT32_MAX));
     push_point(w, c, change);
     if (c->body == CONSTRAINT_WORLD) world_fault(w, FRAY_FAULT_OUT_OF_WORLD);
   }

@@ -44,33 +44,15 @@ vec3 step_body_velocity(const fray_world *w, uint32_t b) {
   return b == STEP_NO_BODY ? vec_make(0, 0, 0) : vec_of(w->rigid.states[b].velocity);
 }
 
-enum { CHANGE_BITS = ELASTIC_IMPULSE_BITS + ELASTIC_INVERSE_BITS - FX_VELOCITY_BITS };
-
-/* Leapfrog gives an impulse the work of the mean of v- and v+. v+ has those that follow in it, so each of two
- * has half of what they do together; here the later one has all of it. */
-static vec3 velocity_before(const fray_world *w, uint32_t p) {
-#if FRAY_ENERGY
-  const elastic_impulse *sum = &w->membrane.impulse[p];
-  const elastic_impulse *force = &w->membrane.forces[p];
-  const int32_t inverse = w->membrane.inverse_mass[p];
-  const vec64 v = {w->p.vx[p] + fx_round64(fx_mul_wide(fx_sub(sum->x, force->x), inverse), CHANGE_BITS),
-                   w->p.vy[p] + fx_round64(fx_mul_wide(fx_sub(sum->y, force->y), inverse), CHANGE_BITS),
-                   w->p.vz[p] + fx_round64(fx_mul_wide(fx_sub(sum->z, force->z), inverse), CHANGE_BITS)};
-  return vec_clamp64(v, INT32_MAX);
-#else
-  return world_velocity(w, p);
-#endif
-}
-
 vec3 step_velocity(const fray_world *w, uint32_t p, const elastic_step *step) {
+  enum { DOWN = ELASTIC_IMPULSE_BITS + ELASTIC_INVERSE_BITS - FX_VELOCITY_BITS };
   FRAY_ASSERT(p < w->p.count);
   if (particle_is_attached(w, p)) return step_body_velocity(w, w->p.attach_body[p]);
-  if (step == NULL) return velocity_before(w, p);
   const elastic_impulse *sum = &w->membrane.impulse[p];
   const int32_t inverse = w->membrane.inverse_mass[p];
-  const vec64 v = {w->p.vx[p] + fx_round64(fx_mul_wide(sum->x, inverse), CHANGE_BITS) + step->gravity[0],
-                   w->p.vy[p] + fx_round64(fx_mul_wide(sum->y, inverse), CHANGE_BITS) + step->gravity[1],
-                   w->p.vz[p] + fx_round64(fx_mul_wide(sum->z, inverse), CHANGE_BITS) + step->gravity[2]};
+  const vec64 v = {w->p.vx[p] + fx_round64(fx_mul_wide(sum->x, inverse), DOWN) + step->gravity[0],
+                   w->p.vy[p] + fx_round64(fx_mul_wide(sum->y, inverse), DOWN) + step->gravity[1],
+                   w->p.vz[p] + fx_round64(fx_mul_wide(sum->z, inverse), DOWN) + step->gravity[2]};
   return vec_clamp64(v, INT32_MAX);
 }
 
@@ -119,21 +101,4 @@ vec64 step_impulse_of(int32_t mass, vec3 change) {
                          fx_clamp64(fx_round64(whole.y, DOWN), -bound, bound),
                          fx_clamp64(fx_round64(whole.z, DOWN), -bound, bound)};
   return impulse;
-}
-
-void step_book(fray_world *w, fray_energy_stage stage, int32_t mass, vec3 change, vec3 before,
-               vec3 behind) {
-#if FRAY_ENERGY
-  enum { BITS = 2 * FX_VELOCITY_BITS + STEP_MASS_BITS + 1 };
-  const int64_t twice[3] = {(int64_t)before.x + behind.x, (int64_t)before.y + behind.y,
-                            (int64_t)before.z + behind.z};
-  const int32_t gained[3] = {change.x, change.y, change.z};
-  for (uint32_t n = 0; n < 3; ++n) {
-    const wide_number work = wide_product(fx_mul_wide(gained[n], mass), twice[n], BITS);
-    w->energy.stage[stage] = wide_add(w->energy.stage[stage], work);
-    w->energy.booked = wide_add(w->energy.booked, work);
-  }
-#else
-  (void)w, (void)stage, (void)mass, (void)change, (void)before, (void)behind;
-#endif
 }

@@ -154,10 +154,6 @@ elastic_step membrane_step_force(fray_world *w, step_view *view, uint32_t subste
   membrane_force_add(w);
   if (bend_every != 0 && number % bend_every == 0)
     bend_force_add(w, is_last ? BEND_LAST : BEND_STEP);
-#if FRAY_ENERGY
-  if (step_is_metered(w))
-    bytes_copy(w->membrane.forces, w->membrane.impulse, w->p.count * sizeof *w->membrane.forces);
-#endif
   begin_step(w, view, substep, number);
   const elastic_step step = {{view->gravity[0], view->gravity[1], view->gravity[2]},
                              view->part,

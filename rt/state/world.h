@@ -139,7 +139,8 @@ typedef struct {
   };
   elastic_impulse *external_impulse; /* that of loads and wind */
 #if FRAY_ENERGY
-  elastic_impulse *forces; /* impulse before those of constraints, where the world is watched */
+  metered_impulse *metered_impulses; /* membrane/step_meter.c, where the world is watched */
+  metered_body *metered_bodies;
 #endif
   elastic_body *bodies;
   contact_constraint *constraints; /* of a substep */
