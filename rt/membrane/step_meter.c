@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What acted in an elastic step, for the energy ledger: the work of its impulse times the mean of the
  * velocities before and behind the step. Impulses of constraints are what the sum gained from mark to
- * mark: one by one, each would have its own part of the velocities behind the step. Both are found again from what the step left: the drag of
- * a speed is less than one for one, so the speed before it is the fixed point of a few rounds. A
- * kernel's steps are the same. */
+ * mark: one by one, each would have its own part of the velocities behind the step. Both are found again
+ * from what the step left: the drag of a speed is less than one for one, so the speed before it is the
+ * fixed point of a few rounds. A kernel's steps are the same. */
 #include "rt/membrane/step_meter.h"
 
 #include "rt/membrane/membrane.h"
