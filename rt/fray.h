@@ -104,9 +104,8 @@ typedef struct {
 
 typedef enum { FRAY_READY = 1, FRAY_OPERATIONAL = 2, FRAY_SAFE = 3 } fray_state;
 
-/* Sticky fault bits: a tick sets them, FRAY_COMMAND_RESET clears them; it applies in SAFE only (HALT leads
- * there). This is the one table of them, X(name, bit, signal of STATUS, cause, what to do): the enum below,
- * the bus' dictionary, `fray run` and the page (rt/wire/README.md, "Faults") are made from it. */
+/* Sticky fault bits; FRAY_COMMAND_RESET clears them in SAFE (HALT leads there). X(name, bit, STATUS signal,
+ * cause, advice): enum, dictionary, `fray run` and page (rt/wire/README.md, "Faults") are made of this. */
 #define FRAY_FAULTS(X) \
   X(FRAY_FAULT_STALE_LEFT, 0, "StaleLeft", \
     "The left hand sent no good pose for too many ticks; the world went to SAFE.", \
@@ -148,7 +147,11 @@ typedef enum { FRAY_READY = 1, FRAY_OPERATIONAL = 2, FRAY_SAFE = 3 } fray_state;
     "Use a coarser mesh, or move more slowly.") \
   X(FRAY_FAULT_TRIANGLES_FULL, 11, "TrianglesFull", \
     "No spare triangle is left: a membrane does not tear or is not cut there.", \
-    "Raise `spare_triangles` in the limits of the scene.")
+    "Raise `spare_triangles` in the limits of the scene.") \
+  X(FRAY_FAULT_OVERSTRETCHED, 12, "Overstretched", "A membrane was drawn to three times its length.", \
+    "Give the cloth a strain limit or a strength, or draw it less far.") \
+  X(FRAY_FAULT_SPEED_LIMIT, 13, "SpeedLimit", "A vertex came to the limit of speed, 4 lu a substep.", \
+    "Take lighter loads or heavier cloth, a higher rate or more substeps.")
 
 #define FRAY_FAULT_VALUE(name, bit, signal, cause, action) name = 1u << (bit),
 #define FRAY_FAULT_OR(name, bit, signal, cause, action) name |

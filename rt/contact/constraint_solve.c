@@ -38,20 +38,16 @@ static void push_point(fray_world *w, const contact_constraint *c, vec3 change) 
 
 /* ---- planes that turn ---- */
 
-/* From a body to a vertex, as both are in this step: Q24 lu, and Q28 below that, not negative. */
-typedef struct {
-  vec3 whole, rest;
-} way_out;
-
-static way_out way_out_of(const fray_world *w, uint32_t b, uint32_t p) {
+contact_way_out contact_way_out_of(const fray_world *w, uint32_t b, uint32_t p) {
   const elastic_body *body = &w->membrane.bodies[b];
+  FRAY_ASSERT(b < w->capacity[POOL_BODIES] && p < w->p.count);
   const vec3 start = vec_sub(world_position(w, p), body->start);
   const vec3 began =
       vec_make(fx_wrap_shift(start.x, FX_SUB_BITS), fx_wrap_shift(start.y, FX_SUB_BITS),
                fx_wrap_shift(start.z, FX_SUB_BITS));
   const vec3 now = vec_wrap_sub(vec_of(w->membrane.positions[p].at), vec_of(body->at));
   const vec3 moved = vec_wrap_sub(now, began);
-  const way_out out = {vec_add_clamped(start, vec_asr(moved, FX_SUB_BITS), 2 * FX_WORLD_MAX),
+  const contact_way_out out = {vec_add_clamped(start, vec_asr(moved, FX_SUB_BITS), 2 * FX_WORLD_MAX),
                        vec_make(moved.x & 15, moved.y & 15, moved.z & 15)};
   return out;
 }
@@ -60,7 +56,7 @@ static int32_t to_q28(int64_t gap) { return fx_saturate(gap * (1 << FX_SUB_BITS)
 
 /* The primitive's own plane for a vertex. */
 static void turn_vertex(const fray_world *w, contact_constraint *c) {
-  const way_out out = way_out_of(w, c->body, c->vertex[0]);
+  const contact_way_out out = contact_way_out_of(w, c->body, c->vertex[0]);
   const int32_t margin = w->params->contact_margin;
   const int32_t depth = shape_depth_at(&w->rigid.bodies[c->body], out.whole,
                                     fx_add(w->params->thickness, margin), &c->normal);
@@ -69,7 +65,7 @@ static void turn_vertex(const fray_world *w, contact_constraint *c) {
                                     vec_dot_unit(out.rest, c->normal));
 }
 
-static closest_face face_of(const way_out corner[3]) {
+static closest_face face_of(const contact_way_out corner[3]) {
   const vec3 a = vec_sub(corner[1].whole, corner[0].whole);
   const vec3 b = vec_sub(corner[2].whole, corner[0].whole);
   const unsigned s = closest_excess(
@@ -86,8 +82,8 @@ static vec3 weighted(const int32_t weight[3], vec3 a, vec3 b, vec3 c) {
 
 /* A sphere's plane for a triangle: through the point of it that is nearest to the centre. */
 static void turn_triangle(const fray_world *w, contact_constraint *c) {
-  way_out corner[3];
-  for (uint32_t k = 0; k < 3; ++k) corner[k] = way_out_of(w, c->body, c->vertex[k]);
+  contact_way_out corner[3];
+  for (uint32_t k = 0; k < 3; ++k) corner[k] = contact_way_out_of(w, c->body, c->vertex[k]);
   const closest_face face = face_of(corner);
   const closest_point nearest = closest_point_find(&face, CLOSEST_TRIANGLE);
   const int32_t of_b = closest_weight(&nearest, 0);
@@ -120,10 +116,6 @@ static void solve_constraint(fray_world *w, contact_constraint *c, const elastic
   int32_t along;
   const vec3 change = step_contact_change(velocity, c->normal, least, friction, &along);
   if (vec_span(change) != 0) {
-    if (step_is_metered(w))
-      step_book(w, FRAY_ENERGY_CONTACT, c->mass, change,
-                vec_sub_saturated(point_velocity(w, c, NULL), step_body_velocity(w, c->body)),
-                vec_add_clamped(velocity, change, INT32_MAX));
     push_point(w, c, change);
     if (c->body == CONSTRAINT_WORLD) world_fault(w, FRAY_FAULT_OUT_OF_WORLD);
   }

@@ -23,6 +23,12 @@ void contact_constraint_add(fray_world *w, uint32_t body, constraint_kind kind,
 void contact_constraint_add_vertex(fray_world *w, uint32_t body, constraint_kind kind,
                                    uint32_t vertex, vec3 normal, int64_t gap);
 
+/* From a body to a vertex, as both are in this step: Q24 lu, and Q28 below that, not negative. */
+typedef struct {
+  vec3 whole, rest;
+} contact_way_out;
+contact_way_out contact_way_out_of(const fray_world *w, uint32_t b, uint32_t p);
+
 /* Of a point of the cloth and the body, Q16 of a particle's mass; 0: nothing of it can move. */
 int32_t contact_effective_mass(const fray_world *w, uint32_t body, const uint32_t vertex[3],
                                const int32_t weight[3]);

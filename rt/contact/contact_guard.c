@@ -23,13 +23,9 @@ static void guard_contact(fray_world *w, const contact *c, const vertex_mass_sca
   const int32_t skin = w->params->thickness;
   int32_t *at = w->membrane.positions[c->particle].at;
   const vec3 start = vec_sub(world_position(w, c->particle), m->start);
-  const vec3 began =
-      vec_make(fx_wrap_shift(start.x, FX_SUB_BITS), fx_wrap_shift(start.y, FX_SUB_BITS),
-               fx_wrap_shift(start.z, FX_SUB_BITS));
-  const vec3 moved = vec_wrap_sub(vec_wrap_sub(vec_of(at), vec_of(m->at)), began);
   vec3 normal, unused;
-  const int32_t depth = shape_depth_at(
-      s, vec_add_clamped(start, vec_asr(moved, FX_SUB_BITS), 2 * FX_WORLD_MAX), skin, &normal);
+  const int32_t depth =
+      shape_depth_at(s, contact_way_out_of(w, c->body, c->particle).whole, skin, &normal);
   if (depth <= skin) return;
   const int32_t allowed = fx_max(skin, shape_depth_at(s, start, skin, &unused));
   if (depth <= allowed) return;

@@ -48,7 +48,6 @@ vec3 step_velocity(const fray_world *w, uint32_t p, const elastic_step *step) {
   enum { DOWN = ELASTIC_IMPULSE_BITS + ELASTIC_INVERSE_BITS - FX_VELOCITY_BITS };
   FRAY_ASSERT(p < w->p.count);
   if (particle_is_attached(w, p)) return step_body_velocity(w, w->p.attach_body[p]);
-  if (step == NULL) return world_velocity(w, p);
   const elastic_impulse *sum = &w->membrane.impulse[p];
   const int32_t inverse = w->membrane.inverse_mass[p];
   const vec64 v = {w->p.vx[p] + fx_round64(fx_mul_wide(sum->x, inverse), DOWN) + step->gravity[0],
@@ -102,21 +101,4 @@ vec64 step_impulse_of(int32_t mass, vec3 change) {
                          fx_clamp64(fx_round64(whole.y, DOWN), -bound, bound),
                          fx_clamp64(fx_round64(whole.z, DOWN), -bound, bound)};
   return impulse;
-}
-
-void step_book(fray_world *w, fray_energy_stage stage, int32_t mass, vec3 change, vec3 before,
-               vec3 behind) {
-#if FRAY_ENERGY
-  enum { BITS = 2 * FX_VELOCITY_BITS + STEP_MASS_BITS + 1 };
-  const int64_t twice[3] = {(int64_t)before.x + behind.x, (int64_t)before.y + behind.y,
-                            (int64_t)before.z + behind.z};
-  const int32_t gained[3] = {change.x, change.y, change.z};
-  for (uint32_t n = 0; n < 3; ++n) {
-    const wide_number work = wide_product(fx_mul_wide(gained[n], mass), twice[n], BITS);
-    w->energy.stage[stage] = wide_add(w->energy.stage[stage], work);
-    w->energy.booked = wide_add(w->energy.booked, work);
-  }
-#else
-  (void)w, (void)stage, (void)mass, (void)change, (void)before, (void)behind;
-#endif
 }

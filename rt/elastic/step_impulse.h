@@ -40,7 +40,7 @@ int32_t step_mass_of(uint64_t k);
 
 /* Velocity of a body, or 0 for STEP_NO_BODY. */
 vec3 step_body_velocity(const fray_world *w, uint32_t b);
-/* The velocity that the impulses so far lead to, Q28; without a step that before it. */
+/* The velocity that the impulses so far lead to, Q28. */
 vec3 step_velocity(const fray_world *w, uint32_t p, const elastic_step *step);
 /* An impulse, Q26, on a vertex, or on the body that holds it. Returns what it took: sums saturate.
  */
@@ -54,17 +54,5 @@ vec3 step_contact_change(vec3 velocity, vec3 normal, int32_t least, int32_t fric
                          int32_t *along);
 /* A mass in Q16 times a change of velocity in Q28: Q26. */
 vec64 step_impulse_of(int32_t mass, vec3 change);
-static inline int step_is_metered(const fray_world *w) {
-#if FRAY_ENERGY
-  return __builtin_expect(w->energy.watched != 0, 0) != 0;
-#else
-  (void)w;
-  return 0;
-#endif
-}
-/* Enters the work of an impulse into a row of the energy ledger: a mass, its change of velocity,
- * and the relative velocities before the step and behind the impulse. */
-void step_book(fray_world *w, fray_energy_stage stage, int32_t mass, vec3 change, vec3 before,
-               vec3 behind);
 
 #endif

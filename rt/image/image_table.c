@@ -91,6 +91,10 @@ const image_array image_arrays[] = {
     SHEET_TICK(POOL_PARTICLES, elastic_position, membrane.positions),
     SHEET_TICK(POOL_PARTICLES, elastic_impulse, membrane.impulse),
     SHEET_TICK(POOL_PARTICLES, elastic_impulse, membrane.external_impulse),
+#if FRAY_ENERGY
+    SHEET_TICK(POOL_PARTICLES, metered_impulse, membrane.metered_impulses),
+    SHEET_TICK(POOL_BODIES, metered_body, membrane.metered_bodies),
+#endif
     SHEET_TICK(POOL_BODIES, elastic_body, membrane.bodies),
     SHEET_TICK(POOL_CONTACTS, contact_constraint[CONSTRAINTS_PER_CONTACT], membrane.constraints),
     SHEET_TICK(POOL_TRIANGLES, limited_edge[LIMITED_EDGES_PER_TRIANGLE], membrane.limited_edges),

@@ -10,8 +10,10 @@
  *            out, H_ij -= H_ib H_bj / H_bb. So opening a side never raises the energy
  *   g_ki     = -(e_k . e_i) / (|e_k| |N|) of sides as they are now: moments along them have no sum but in
  *            rounding
- *   fade     2 A / A_rest, at most 1: what is left of a triangle that is pressed together. A fold's angle
- *            counts by the fade of both its triangles, so that forces stay bounded by those of half the area
+ *   fade     the least of 2 A / A_rest, 5/4 of its heights over those at rest, and 1: what is left of a
+ *            triangle that is pressed together, or drawn thin. A fold's angle counts by the fade of both its
+ *            triangles, so that forces stay bounded by those of half the area, and frequencies by 5/4 of
+ *            those at rest: drawn sheets and strips that were pressed flat gained energy without end
  *
  * H is worked out anew where tears changed the mesh or a cloth's stiffness varies, borders and folds only
  * then (bend_folds.c). */
@@ -34,9 +36,13 @@ static int32_t over_normal(fx_root normal, int32_t length) {
   return fx_saturate(fx_root_over(normal, length, 16));
 }
 
-static int32_t fade_of(uint32_t normal, uint32_t area) {
+static int32_t fade_of(const plate_view *view, uint32_t t, uint32_t normal, const uint32_t length[3]) {
+  const uint32_t area = view->area[t];
   const uint64_t twice = (uint64_t)normal << 2; /* the area, Q30 */
-  return twice >= area ? BEND_ONE : (int32_t)fx_divide_wide(twice << 30, area);
+  int32_t fade = twice >= area ? BEND_ONE : (int32_t)fx_divide_wide(twice << 30, area);
+  for (uint32_t k = 0; k < 3; ++k)
+    fade = fx_min(fade, bend_fade_by_height(&view->shapes[t], k, normal, length[k]));
+  return fade;
 }
 
 /* Returns whether it is pressed together. */
@@ -66,7 +72,8 @@ static int prepare_triangle(const plate_view *view, uint32_t t) {
                         -over_normal(over, fx_saturate(fx_root_over(r1, e12, 28))),
                         -over_normal(over, fx_saturate(fx_root_over(r2, e12, 28))),
                         -over_normal(over, (int32_t)fx_root_length(r2))};
-  const int32_t fade = fade_of(fx_root_length(over), view->area[t]);
+  const uint32_t length[3] = {fx_root_length(r0), fx_root_length(r1), fx_root_length(r2)};
+  const int32_t fade = fade_of(view, t, fx_root_length(over), length);
   store_geometry(view, t, g, fade);
   return fade != BEND_ONE;
 }

@@ -84,10 +84,6 @@ static void solve_edge(fray_world *w, const limited_edge *e, const elastic_step 
   const vec3 change = vec_scale_unit(unit, fx_saturate((int64_t)wanted - separating));
   const vec64 impulse = step_impulse_of(mass, change);
   const vec64 back = {-impulse.x, -impulse.y, -impulse.z};
-  if (step_is_metered(w))
-    step_book(w, FRAY_ENERGY_LIMITS, mass, change,
-              vec_sub_saturated(step_velocity(w, e->j, NULL), step_velocity(w, e->i, NULL)),
-              vec_add_clamped(velocity, change, INT32_MAX));
   (void)step_push(w, e->j, impulse);
   (void)step_push(w, e->i, back);
 }

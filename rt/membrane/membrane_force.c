@@ -42,7 +42,13 @@ static vec3 edge_vector(const elastic_position *place, uint32_t from, uint32_t t
                   elastic_difference(&place[from], &place[to], 2));
 }
 
-static void force_triangle(const force_view *view, uint32_t t) {
+/* What is beyond STRAIN_MAX does not count, and its force has no energy. */
+static int is_overstretched(material_tensor g) {
+  return g.uu == STRAIN_MAX || g.vv == STRAIN_MAX || g.uv == STRAIN_MAX || g.uv == -STRAIN_MAX;
+}
+
+/* Returns 1 iff it is overstretched: only where the law applies, as no threshold is near STRAIN_MAX. */
+static int force_triangle(const force_view *view, uint32_t t) {
   const index_t *v = view->triangle[t].v;
   const trimesh_weights *r = &view->weights[t];
   const deformation d =
@@ -50,16 +56,17 @@ static void force_triangle(const force_view *view, uint32_t t) {
                              FX_VELOCITY_BITS + ELASTIC_DIFFERENCE_MORE);
   const material_tensor strain = material_strain(d.u, d.v);
   material_tensor counted;
+  const int is_beyond = strain_law_may_apply(strain, view->strain_threshold[t]);
   const material_tensor stress =
-      strain_law_may_apply(strain, view->strain_threshold[t])
-          ? strain_law_stress(view->gains[t].c, strain, view->strain_threshold[t], &counted)
-          : material_stress(view->gains[t].c, strain);
+      is_beyond ? strain_law_stress(view->gains[t].c, strain, view->strain_threshold[t], &counted)
+                : material_stress(view->gains[t].c, strain);
   const axis_impulses x = axis_impulses_of(r, d.u.x, d.v.x, &stress);
   const axis_impulses y = axis_impulses_of(r, d.u.y, d.v.y, &stress);
   const axis_impulses z = axis_impulses_of(r, d.u.z, d.v.z, &stress);
   elastic_impulse_add(&view->sum[v[0]], vec_make(x.one + x.two, y.one + y.two, z.one + z.two));
   elastic_impulse_add(&view->sum[v[1]], vec_make(-x.one, -y.one, -z.one));
   elastic_impulse_add(&view->sum[v[2]], vec_make(-x.two, -y.two, -z.two));
+  return is_beyond && is_overstretched(strain);
 }
 
 void membrane_force_add(fray_world *w) {
@@ -68,9 +75,11 @@ void membrane_force_add(fray_world *w) {
                            w->trimesh.weights, w->membrane.gains, w->membrane.strain_threshold};
   const uint32_t count = triangles_in_use(w);
   uint32_t t = 0;
+  int is_held = 0;
   while (t < count) {
     t += simd_membrane_force(w->kernel, &view, t, count);
-    if (t < count) force_triangle(&view, t++);
+    if (t < count) is_held |= force_triangle(&view, t++);
   }
+  if (is_held) world_fault(w, FRAY_FAULT_OVERSTRETCHED);
   w->work.element_forces += count;
 }

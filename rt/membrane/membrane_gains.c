@@ -35,20 +35,6 @@ static uint32_t stiffest_mode(const int32_t c[MATERIAL_ENTRIES]) {
   return both > shear ? both : shear;
 }
 
-/* Loads are held as c G holds them, however large, by cloth that neither tears nor has a limit. */
-static int holds_loads(const fray_world *w) {
-  int32_t any = 0;
-  for (uint32_t n = 0; n < MEMBRANE_LOADS; ++n)
-    any |= w->membrane.constants->load[n].u | w->membrane.constants->load[n].v;
-  return any != 0 && w->membrane.constants->edge_limit == 0;
-}
-
-static int can_tear(const tear_strength *k) {
-  int32_t all = 0;
-  for (uint32_t n = 0; n < TEAR_STRENGTH_DIRECTIONS; ++n) all |= k->strength[n];
-  return all != 0;
-}
-
 /* w^2 h^2 at rest is mode norm2 over what a corner weighs, its area / mass_unit, and the steps. */
 static int32_t threshold_of(const fray_world *w, uint32_t t, const int32_t c[MATERIAL_ENTRIES]) {
   const trimesh_gram gram = trimesh_gram_of(&w->trimesh.weights[t]);
@@ -72,7 +58,6 @@ void membrane_gains_update(fray_world *w) {
   FRAY_ASSERT(world_has_membrane(w));
   const trimesh *s = &w->trimesh;
   const unsigned shift = (unsigned)w->membrane.constants->force_shift;
-  const int is_loaded = holds_loads(w);
   update_inverse_masses(w);
   for (uint32_t t = 0; t < triangles_in_use(w); ++t) {
     FRAY_ASSERT(s->area[t] > 0 && s->area[t] < TRIMESH_AREA_MAX);
@@ -81,8 +66,7 @@ void membrane_gains_update(fray_world *w) {
     const int32_t gain = fx_mul_round(area, w->membrane.constants->force_gain, 30);
     for (uint32_t n = 0; n < MATERIAL_ENTRIES; ++n)
       c[n] = fx_mul_saturated(c[n], gain, shift);
-    const int keeps_law = is_loaded && !can_tear(&w->membrane.tear_strengths[s->material[t]]);
-    w->membrane.strain_threshold[t] = keeps_law ? STRAIN_LAW_NEVER : threshold_of(w, t, c);
+    w->membrane.strain_threshold[t] = threshold_of(w, t, c);
   }
   bend_prepare(w);
 }

@@ -103,26 +103,34 @@ static uint32_t end_axis(int32_t *x, int32_t *q, int8_t *r, int32_t at) {
   return (uint32_t)(moved ^ place);
 }
 
+/* Drag and gravity come behind the clamp: it is told by what is near the limit. */
+enum { NEAR_SPEED_MAX = FX_SPEED_MAX / 64 * 63 };
+
 static void end_steps(fray_world *w) {
   uint32_t at_edge = 0;
+  int is_slow = 1;
   for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
     const int32_t *at = w->membrane.positions[p].at;
     at_edge |= end_axis(&w->p.x[p], &w->p.qx[p], &w->p.rx[p], at[0]);
     at_edge |= end_axis(&w->p.y[p], &w->p.qy[p], &w->p.ry[p], at[1]);
     at_edge |= end_axis(&w->p.z[p], &w->p.qz[p], &w->p.rz[p], at[2]);
+    is_slow &= vec_is_within(world_velocity(w, p), NEAR_SPEED_MAX);
   }
   if (at_edge != 0) world_fault(w, FRAY_FAULT_OUT_OF_WORLD);
+  if (!is_slow) world_fault(w, FRAY_FAULT_SPEED_LIMIT);
 }
 
 #if FRAY_ENERGY
 void membrane_impulses_now(fray_world *w) {
   const fray_work work = w->work;
+  const int32_t faults = w->state->faults;
   FRAY_ASSERT(world_has_membrane(w));
   begin_steps(w);
   bytes_zero(w->membrane.impulse, w->p.count * sizeof *w->membrane.impulse);
   membrane_force_add(w);
   if (w->membrane.constants->bend_every != 0) bend_force_add(w, BEND_MEASURED);
   w->work = work;
+  w->state->faults = faults;
 }
 
 void membrane_angles_now(fray_world *w) {

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A force that acts in an elastic step has done the work of its impulse times the mean of the
- * velocities before and behind the step. Both are found again from what the step left: the drag of
- * a speed is less than one for one, so the speed before it is the fixed point of a few rounds. A
- * kernel's steps are the same. */
+/* What acted in an elastic step, for the energy ledger: the work of its impulse times the mean of the
+ * velocities before and behind the step. Impulses of constraints are what the sum gained from mark to
+ * mark: one by one, each would have its own part of the velocities behind the step. Both are found again
+ * from what the step left: the drag of a speed is less than one for one, so the speed before it is the
+ * fixed point of a few rounds. A kernel's steps are the same. */
 #include "rt/membrane/step_meter.h"
 
 #include "rt/membrane/membrane.h"
@@ -36,6 +37,45 @@ static void add_row(fray_world *w, wide_number *row, wide_number work) {
   w->energy.booked = wide_add(w->energy.booked, work);
 }
 
+static int32_t axis_of(const elastic_impulse *a, uint32_t n) { return n == 0 ? a->x : n == 1 ? a->y : a->z; }
+
+/* The stage behind which mark n + 1 is. */
+static const fray_energy_stage marked_stage[STEP_MARKS] = {FRAY_ENERGY_LIMITS, FRAY_ENERGY_CONTACT,
+                                                           FRAY_ENERGY_SELF_COLLISION};
+
+static void meter_stages(fray_world *w, uint32_t p, uint32_t n, const metered_axis *a) {
+  const metered_impulse *m = &w->membrane.metered_impulses[p];
+  for (uint32_t k = 0; k < STEP_MARKS; ++k) {
+    const elastic_impulse *behind = k + 1u < STEP_MARKS ? &m->sum[k + 1u] : &w->membrane.impulse[p];
+    const int64_t part = (int64_t)axis_of(behind, n) - axis_of(&m->sum[k], n);
+    if (part != 0)
+      add_row(w, &w->energy.stage[marked_stage[k]], times_mean(part, a, ELASTIC_IMPULSE_BITS));
+  }
+}
+
+/* A body has the work of its impulse on the cloth, and the stage what is left of that. */
+static void meter_body(fray_world *w, uint32_t b, uint32_t stage) {
+  metered_body *m = &w->membrane.metered_bodies[b];
+  const int32_t *v = w->rigid.states[b].velocity;
+  const int64_t *impulse = w->rigid.motion[b].impulse;
+  for (uint32_t n = 0; n < 3; ++n) {
+    const int64_t given = impulse[n] - m->impulse[n];
+    if (stage < STEP_MARKS && given != 0)
+      add_row(w, &w->energy.stage[marked_stage[stage]],
+              wide_product(-given, (int64_t)m->velocity[n] + v[n], 2 * FX_VELOCITY_BITS + 1));
+    m->impulse[n] = impulse[n];
+    m->velocity[n] = v[n];
+  }
+}
+
+void step_meter_mark_add(fray_world *w, uint32_t mark) {
+  FRAY_ASSERT(mark <= STEP_MARKS && world_has_membrane(w));
+  for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
+    meter_body(w, b, mark == 0 ? STEP_MARKS : mark - 1u);
+  for (uint32_t p = 0; p < w->p.count && mark < STEP_MARKS; ++p)
+    w->membrane.metered_impulses[p].sum[mark] = w->membrane.impulse[p];
+}
+
 static void meter_vertex(fray_world *w, const step_view *k, uint32_t p) {
   enum { MASS_BITS = 20 };
   const elastic_impulse *sum = &k->sum[p];
@@ -46,6 +86,7 @@ static void meter_vertex(fray_world *w, const step_view *k, uint32_t p) {
   const int32_t external[3] = {load->x, load->y, load->z};
   for (uint32_t n = 0; n < 3; ++n) {
     const metered_axis a = meter_axis(k, p, n, impulse[n]);
+    meter_stages(w, p, n, &a);
     if (k->drag != 0)
       add_row(w, &w->energy.stage[FRAY_ENERGY_DRAG],
               times_mean(-mass * a.taken, &a, FX_VELOCITY_BITS + MASS_BITS));

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What drag took and loads gave in an elastic step, for the energy ledger. */
+/* What drag and constraints took and loads gave in an elastic step, for the energy ledger. */
 #ifndef FRAY_MEMBRANE_STEP_METER_H
 #define FRAY_MEMBRANE_STEP_METER_H
 
@@ -7,8 +7,19 @@
 #include "rt/state/world.h"
 
 #if FRAY_ENERGY
+void step_meter_mark_add(fray_world *w, uint32_t mark);
 void step_meter_add(fray_world *w, const step_view *view);
 #endif
+
+/* In a step: behind its forces (0), limits of edges (1), contact (2) and self-collision (STEP_MARKS). */
+static inline void step_meter_mark(fray_world *w, uint32_t mark) {
+#if FRAY_ENERGY
+  if (__builtin_expect(w->energy.watched && w->energy.begun, 0)) step_meter_mark_add(w, mark);
+#else
+  (void)w;
+  (void)mark;
+#endif
+}
 
 /* Right after a step. */
 static inline void step_meter(fray_world *w, const step_view *view) {

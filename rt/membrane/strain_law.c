@@ -12,8 +12,8 @@ int32_t strain_law_threshold(uint32_t slope, uint32_t room, uint32_t steps) {
   const uint64_t bound = (uint64_t)room * steps * LAW_BOUND_Q18; /* Q48; room is 4 at most, steps 2^10 */
   const uint32_t divisor = slope < 1 ? 1 : slope > INT32_MAX ? INT32_MAX : slope;
   const uint32_t ratio = fx_divide_wide(bound, divisor); /* Q28 */
-  if (ratio == UINT32_MAX) return STRAIN_LAW_NEVER;
-  return ratio <= (uint32_t)STRAIN_ONE ? 0 : (int32_t)((ratio - (uint32_t)STRAIN_ONE) / 3u);
+  if (ratio <= (uint32_t)STRAIN_ONE) return 0;
+  return fx_min((int32_t)((ratio - (uint32_t)STRAIN_ONE) / 3u), STRAIN_LAW_MAX);
 }
 
 static int32_t mul_q28(int32_t a, int32_t b) { return fx_mul_round(a, b, STRAIN_BITS); }

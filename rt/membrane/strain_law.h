@@ -14,14 +14,14 @@
  * Below g0 nothing differs. g0 is where the slope (3 s0^2 - 1) / 2 of c G takes a triangle alone to
  * w^2 h^2 = 3.4. No slope is more than 1.16 times that, whatever c and however drawn: below 4. With f of a
  * constant slope it would be up to 1.6 times, as T22 has c12 f(g1) in it. Force has its maximum at x = 1 or
- * before: a body's pull above that draws cloth to the limit of its edges (edge_limit.c). A sheet with a
- * `load` that neither tears nor has a limit keeps c G, to hold any. */
+ * before: a body's pull above that draws cloth to the limit of its edges (edge_limit.c). Cloth under a
+ * `load` has steps for a g0 beyond what that draws it to (tools/scene_compiler/membrane_params.c). */
 #ifndef FRAY_MEMBRANE_STRAIN_LAW_H
 #define FRAY_MEMBRANE_STRAIN_LAW_H
 
 #include "rt/state/material.h"
 
-enum { STRAIN_LAW_NEVER = INT32_MAX };
+enum { STRAIN_LAW_MAX = 3 * STRAIN_ONE /* of g0: below STRAIN_MAX */ };
 
 /* g0, Q28, for a triangle whose w^2 h^2 at rest is slope / room, slope in Q20 and room in Q30. */
 int32_t strain_law_threshold(uint32_t slope, uint32_t room, uint32_t steps);

@@ -72,32 +72,24 @@ static int64_t impulse_of(int32_t change, int32_t inverse) {
   return (int64_t)change * (1 << UP) / inverse;
 }
 
-static void push_vertex(fray_world *w, uint32_t p, const self_zone *z,
-                        const vertex_mass_scale *scale, const elastic_step *step) {
+static void push_vertex(fray_world *w, uint32_t p, const self_zone *z, const elastic_step *step) {
   const vec3 velocity = step_velocity(w, p, step);
   const vec3 change = vec_sub_saturated(vec_of(z->mean), velocity);
   const int32_t inverse = w->membrane.inverse_mass[p];
   if (vec_span(change) == 0 || inverse == 0) return;
   const vec64 impulse = {impulse_of(change.x, inverse), impulse_of(change.y, inverse),
                          impulse_of(change.z, inverse)};
-  if (step_is_metered(w)) {
-    const vec3 body = step_body_velocity(w, z->held);
-    step_book(w, FRAY_ENERGY_SELF_COLLISION, mass_of(scale, p), change,
-              vec_sub_saturated(step_velocity(w, p, NULL), body),
-              vec_sub_saturated(vec_of(z->mean), body));
-  }
   step_push_body(w, z->held, step_push(w, p, impulse));
 }
 
 void impact_zone_steps_solve(fray_world *w, const elastic_step *step) {
   if (!world_has_triangle_collision(w) || !w->attempt.begin->joined_any) return;
-  const vertex_mass_scale scale = vertex_mass_scale_of(w);
   find_bodies(w);
   sum_momentum(w, step);
   for (uint32_t p = 0; p < w->p.count; ++p)
     if (w->self.zones[p].whole != 0) find_mean(w, &w->self.zones[p]);
   for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
     const self_zone *z = &w->self.zones[impact_zones_joined(w, p)];
-    if (z->members > 1 || z->held != STEP_NO_BODY) push_vertex(w, p, z, &scale, step);
+    if (z->members > 1 || z->held != STEP_NO_BODY) push_vertex(w, p, z, step);
   }
 }

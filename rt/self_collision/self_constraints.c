@@ -104,9 +104,6 @@ static void solve_constraint(fray_world *w, self_constraint *c, const elastic_st
   const int32_t along = vec_dot_unit(velocity, c->normal);
   if (along < least) {
     const vec3 change = vec_scale_unit(c->normal, fx_saturate((int64_t)least - along));
-    if (step_is_metered(w))
-      step_book(w, FRAY_ENERGY_SELF_COLLISION, c->mass, change, relative_velocity(w, c, NULL),
-                vec_add_clamped(velocity, change, INT32_MAX));
     push_apart(w, c, change);
   }
   const int64_t way = fx_mul_wide(fx_max(along, least), step->part) + c->low;

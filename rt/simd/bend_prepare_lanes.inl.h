@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Scalar twin: rt/membrane/bend_prepare.c, same order of operations. What bending steps multiply by, LANES
- * triangles at a time. Groups with a triangle without area or pressed together, or a value that would be
+ * triangles at a time. Groups with a triangle without area, pressed together or thin, or a value to be
  * clamped, and the last ones, fewer than LANES, are left to the scalar code. */
 #ifndef FRAY_SIMD_BEND_PREPARE_LANES_INL_H
 #define FRAY_SIMD_BEND_PREPARE_LANES_INL_H
@@ -77,9 +77,24 @@ LANES_INLINE lanes bend_prepare_lanes_dot(const lanes a[3], const lanes b[3], la
   return lanes64_round(dot, 28);
 }
 
+/* Whether one of them is drawn thin. */
+LANES_INLINE int bend_prepare_lanes_thin(const plate_view *v, uint32_t first, lanes normal,
+                                         const lanes length[3]) {
+  int32_t high[LANES], along[3][LANES];
+  int32_t least = BEND_ONE;
+  lanes_store(high, normal);
+  LANES_UNROLL
+  for (int k = 0; k < 3; ++k) lanes_store(along[k], length[k]);
+  for (uint32_t n = 0; n < (uint32_t)LANES; ++n)
+    for (uint32_t k = 0; k < 3; ++k)
+      least = fx_min(least, bend_fade_by_height(&v->shapes[first + n], k, (uint32_t)high[n],
+                                                (uint32_t)along[k][n]));
+  return least != BEND_ONE;
+}
+
 LANES_INLINE int bend_geometry_lanes_group(const plate_view *v, uint32_t first, uint32_t count) {
   uint32_t id[3][LANES];
-  lanes e0[3], e1[3], e2[3], d2[3], normal[3], m, m1, m2, unused;
+  lanes e0[3], e1[3], e2[3], d2[3], normal[3], m, m0, m1, m2;
   lanes64 dots = lanes64_set(0);
   lanes64 far = lanes64_set(0);
   if (count < (uint32_t)LANES) return 0;
@@ -99,18 +114,21 @@ LANES_INLINE int bend_geometry_lanes_group(const plate_view *v, uint32_t first, 
   const lanes area = lanes_load((const int32_t *)(const void *)(v->area + first));
   const lanes pressed = lanes_asr(lanes_add(area, lanes_set(3)), 2); /* Q28, of half of it */
   if (mask_bits(lanes_greater(pressed, lanes_root_length(over, m))) != 0) return 0;
-  const lanes_root r0 = lanes_rsqrt(lanes64_dot(e0, e0), &unused);
+  const lanes_root r0 = lanes_rsqrt(lanes64_dot(e0, e0), &m0);
   const lanes_root r1 = lanes_rsqrt(lanes64_dot(e1, e1), &m1);
   const lanes_root r2 = lanes_rsqrt(lanes64_dot(e2, e2), &m2);
+  const lanes length[3] = {lanes_root_length(r0, m0), lanes_root_length(r1, m1),
+                           lanes_root_length(r2, m2)};
+  if (bend_prepare_lanes_thin(v, first, lanes_root_length(over, m), length)) return 0;
   const lanes e01 = bend_prepare_lanes_dot(e0, e1, &dots);
   const lanes e02 = bend_prepare_lanes_dot(e0, e2, &dots);
   const lanes e12 = bend_prepare_lanes_dot(e1, e2, &dots);
   const lanes along[6] = {bend_prepare_lanes_over(r0, e01, 28, &far),
                           bend_prepare_lanes_over(r0, e02, 28, &far),
-                          lanes_root_length(r1, m1),
+                          length[1],
                           bend_prepare_lanes_over(r1, e12, 28, &far),
                           bend_prepare_lanes_over(r2, e12, 28, &far),
-                          lanes_root_length(r2, m2)};
+                          length[2]};
   lanes g[6];
   LANES_UNROLL
   for (int n = 0; n < 6; ++n)

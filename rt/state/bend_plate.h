@@ -39,6 +39,18 @@ typedef struct {
   int32_t inverse_root; /* Q16 of 1 / lu: 1 / root(A) */
 } bend_shape;
 
+/* What is left of a triangle by its height on side k, Q30: 5/4 of that at rest, at most 1. With the angle's
+ * gradient 1 / h it would vibrate faster as the square of that. `normal` is twice its area, `length` the
+ * side's, both as they are now, Q28. */
+static inline int32_t bend_fade_by_height(const bend_shape *s, uint32_t k, uint32_t normal, uint32_t length) {
+  const uint64_t across = fx_mul_wide_u(normal, (uint32_t)s->inverse_root) >> 16; /* over root(A) */
+  const uint64_t side = (uint64_t)(uint32_t)s->side[k][0] + (uint32_t)s->side[k][1];
+  const uint64_t high =
+      (across > UINT32_MAX ? UINT32_MAX : across) * (side > UINT32_MAX ? UINT32_MAX : side) >> 26;
+  if (5u * high >= (uint64_t)length * 8u) return BEND_ONE;
+  return (int32_t)fx_divide_wide(5u * high << 27, length);
+}
+
 /* Of a triangle in this tick: columns, each as long as the pool of triangles. */
 enum {
   PLATE_H00, PLATE_H11, PLATE_H22, PLATE_H01, PLATE_H02, PLATE_H12, /* H of sides */

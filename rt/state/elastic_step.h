@@ -18,6 +18,18 @@ typedef struct {
   int32_t x, y, z, padding;
 } elastic_impulse;
 
+/* Of a watched world's vertex: that sum behind its forces, behind limits of edges, and behind contact. */
+enum { STEP_MARKS = 3 };
+typedef struct {
+  elastic_impulse sum[STEP_MARKS];
+} metered_impulse;
+
+/* Of its body behind the last of these: on the cloth, and its velocity. */
+typedef struct {
+  int64_t impulse[3];
+  int32_t velocity[3];
+} metered_body;
+
 /* A body in the elastic steps of a substep. */
 typedef struct {
   vec3 start;                    /* where the substep began, Q24 lu */

@@ -138,6 +138,10 @@ typedef struct {
     elastic_impulse *max_stress;   /* membrane_tear.c: bounds of the stress around a vertex */
   };
   elastic_impulse *external_impulse; /* that of loads and wind */
+#if FRAY_ENERGY
+  metered_impulse *metered_impulses; /* membrane/step_meter.c, where the world is watched */
+  metered_body *metered_bodies;
+#endif
   elastic_body *bodies;
   contact_constraint *constraints; /* of a substep */
   uint32_t constraint_count;

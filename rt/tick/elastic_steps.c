@@ -5,6 +5,7 @@
 #include "rt/contact/constraints.h"
 #include "rt/elastic/step_bodies.h"
 #include "rt/membrane/membrane.h"
+#include "rt/membrane/step_meter.h"
 #include "rt/self_collision/impact_zone_steps.h"
 #include "rt/self_collision/self_constraints.h"
 #include "rt/tick/tick.h"
@@ -18,10 +19,14 @@ void elastic_steps_run(fray_world *w, uint32_t substep) {
   for (int32_t number = 0; number < w->membrane.constants->steps; ++number) {
     const elastic_step step = membrane_step_force(w, &view, substep, number);
     step_bodies_pull(w, &step);
+    step_meter_mark(w, 0);
     edge_limits_solve(w, &step);
+    step_meter_mark(w, 1);
     contact_constraints_solve(w, &step);
+    step_meter_mark(w, 2);
     self_constraints_solve(w, &step);
     impact_zone_steps_solve(w, &step);
+    step_meter_mark(w, STEP_MARKS);
     membrane_step_move(w, &view);
     step_bodies_move(w, &step, number);
   }

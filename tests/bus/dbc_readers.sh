@@ -30,6 +30,7 @@ EXPECTED = [
     (0x701, "0300080F00000000", {"StaleLeft": "OK", "BreakBudget": "BREAK_BUDGET", "ParticlesFull": "OK",
                                  "SelfCollisionBudget": "SELF_COLLISION_BUDGET", "ContactUnresolved": "CONTACT_UNRESOLVED",
                                  "MeshQueryBudget": "MESH_QUERY_BUDGET", "TrianglesFull": "TRIANGLES_FULL"}),
+    (0x701, "0300003000000000", {"TrianglesFull": "OK", "Overstretched": "OVERSTRETCHED", "SpeedLimit": "SPEED_LIMIT"}),
     (0x701, "0300C00000000000", {"Halted": "OK", "ParticlesFull": "PARTICLES_FULL", "SplitBudget": "SPLIT_BUDGET",
                                  "SelfCollisionBudget": "OK"}),
 ]

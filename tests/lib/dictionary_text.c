@@ -91,7 +91,7 @@ static void write_attributes(FILE *out) {
 
 void dictionary_write_dbc(FILE *out) {
   dictionary_message m;
-  fprintf(out, "VERSION \"fray 1.2 instance 0\"\n\nNS_ :\n  CM_\n  BA_DEF_\n  BA_\n  VAL_\n"
+  fprintf(out, "VERSION \"fray 1.3 instance 0\"\n\nNS_ :\n  CM_\n  BA_DEF_\n  BA_\n  VAL_\n"
                "  BA_DEF_DEF_\n\nBS_:\n\nBU_: Runtime Device Operator\n");
   for (uint32_t id = 0; (m = next_message(&id)) != MESSAGES;) {
     fprintf(out, "\nBO_ %u %s: %u %s\n", DICTIONARY[m].id, SIGNALS[m].name,

@@ -16,11 +16,30 @@ static const char drawn[] =
     "box weight { size 8 0.4 0.4 cm at 0 -6 0 cm attach_within 0.1 cm\n"
     " move path { 0 s 0 -6 0 cm  0.1 s 0 -16 0 cm  0.2 s 0 -10 0 cm  0.3 s 0 -16 0 cm } }\n";
 
+/* The same, held at its side and under a load besides. */
+static const char loaded[] =
+    "scene loaded\nmembrane {\n columns 8\n rows 12\n cell 1 cm\n material t-shirt\n}\npin column right\n"
+    "load top -1.6 -8.8 11.9 N/m\n"
+    "box weight { size 8 0.4 0.4 cm at 0 -6 0 cm attach_within 0.1 cm\n"
+    " move path { 0 s 0 -6 0 cm  0.1 s 0 -16 0 cm  0.2 s 0 -10 0 cm  0.3 s 0 -16 0 cm } }\n";
+
+/* And blown across, so that its triangles become thin while their folds move. */
+static const char thin[] =
+    "scene thin\nmembrane {\n columns 8\n rows 12\n cell 1 cm\n material rag\n}\nmaterial rag {\n base t-shirt\n}\npin row top\n"
+    "load left 0 0 2 N/m\n"
+    "box weight { size 8 0.4 0.4 cm at 0 -6 0 cm attach_within 0.1 cm\n"
+    " move path { 0 s 0 -6 0 cm  0.1 s 0 -16 0 cm  0.2 s 0 -10 0 cm  0.3 s 0 -16 0 cm } }\n";
+/* A mesh of 12 g meets it: constraints of triangles that have vertices in common, in one step. */
+static const char struck[] =
+    "scene struck\ngravity 0 0 0 cm/s2\nmembrane {\n columns 9\n rows 5\n cell 1.1 cm\n material denim\n}\npin row top\n"
+    "mesh b {\n obj \"tests/scenes/meshes/box.obj\"\n unit 1.2 cm\n friction 0.6\n at 0.3 0.4 4 cm\n move free\n mass 12 g\n"
+    " velocity 0 0 -150 cm/s\n}\n";
+
 static void steps_make_none(void) {
   static const struct {
     const char *name, *text;
     uint32_t ticks;
-  } cases[] = {{"edge", at_the_edge, 800}, {"drawn", drawn, 600}};
+  } cases[] = {{"edge", at_the_edge, 800}, {"drawn", drawn, 600}, {"loaded", loaded, 600}, {"struck", struck, 60}, {"thin", thin, 600}};
   for (uint32_t n = 0; n < sizeof cases / sizeof cases[0]; ++n) {
     fixture_scoped f = {0};
     double turned = 0;
@@ -42,7 +61,40 @@ static void steps_make_none(void) {
 }
 #endif
 
+/* A strip drawn by a body to so many times its length. */
+static uint32_t faults_of_drawn(double times) {
+  fixture_scoped f = {0};
+  const double to = -6 + 12 * (1 - times);
+  fixture_print(&f, "scene s\nrate 1000 Hz\nmembrane {\n columns 4\n rows 12\n cell 1 cm\n material denim\n}\npin row top\n"
+                    "box b { size 4 0.4 0.4 cm at 0 -6 0 cm attach_within 0.1 cm\n"
+                    " move path { 0 s 0 -6 0 cm  0.5 s 0 %g 0 cm } }\n", to);
+  for (uint32_t tick = 0; tick < 600; ++tick) (void)fixture_tick(&f, &fixture_idle);
+  return (uint32_t)f.w->state->faults;
+}
+
+static void what_is_drawn_too_far_says_so(void) {
+  CHECK_EQ_INT(faults_of_drawn(1.2), 0);
+  CHECK_EQ_INT(faults_of_drawn(3.4), FRAY_FAULT_OVERSTRETCHED);
+}
+
+/* A share of the limit of speed, across the sheet. */
+static uint32_t faults_at_speed(int32_t speed) {
+  fixture_scoped f = {0};
+  fixture_text(&f, "scene s\nrate 1000 Hz\ngravity 0 0 0 cm/s2\nmembrane {\n columns 3\n rows 3\n cell 1 cm\n material denim\n}\n");
+  for (uint32_t p = 0; p < f.w->p.count; ++p) f.w->p.vz[p] = speed;
+  (void)fixture_tick(&f, &fixture_idle);
+  return (uint32_t)f.w->state->faults;
+}
+
+static void the_limit_of_speed_says_so(void) {
+  CHECK_EQ_INT(faults_at_speed(FX_SPEED_MAX / 2), 0);
+  CHECK_EQ_INT(faults_at_speed(FX_SPEED_MAX), FRAY_FAULT_SPEED_LIMIT);
+  CHECK_EQ_INT(faults_at_speed(-FX_SPEED_MAX), FRAY_FAULT_SPEED_LIMIT);
+}
+
 int main(void) {
+  TEST(what_is_drawn_too_far_says_so);
+  TEST(the_limit_of_speed_says_so);
 #if FRAY_ENERGY
   TEST(steps_make_none);
 #endif

@@ -346,6 +346,14 @@ static const exception exceptions[] = {
      FROM_REST,
      {1e-3, 1.75e-2, 6.5e-3, 1e-3},
      "stress: impulses round, and the sheet has a stretch of 1e-4"},
+    {{"paper", "irregular 3", 45, ALONG, 100},
+     FROM_REST,
+     {1e-3, 1.5e-2, 3e-3, 1e-3},
+     "stress: elastic_steps_max scales paper to 0.002, and one triangle is beyond the g0 of its law"},
+    {{"paper", "irregular 3", 0, SHEAR, 100},
+     FROM_REST,
+     {1e-3, 2.4e-2, 3e-3, 1e-3},
+     "stress: elastic_steps_max scales paper to 0.002, and one triangle is beyond the g0 of its law"},
 };
 enum { EXCEPTIONS = sizeof exceptions / sizeof exceptions[0] };
 

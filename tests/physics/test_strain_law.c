@@ -242,8 +242,8 @@ static void thresholds_are_where_slopes_come_to_the_bound(void) {
       const double norm2 = ((uu + vv) / 2 + hypot((uu - vv) / 2, uv)) * 0x1p-44;
       const double share = (double)w->trimesh.area[t] / w->membrane.constants->mass_unit;
       const double at_rest = mode_of(c) * 0x1p-30 * norm2 / share / w->membrane.constants->steps;
-      if (w->membrane.strain_threshold[t] == STRAIN_LAW_NEVER) {
-        CHECK(at_rest < bound / 15);
+      if (w->membrane.strain_threshold[t] == STRAIN_LAW_MAX) {
+        CHECK(at_rest < bound / 10 + 1e-3);
         continue;
       }
       const double reached = at_rest * (1 + 3.0 * w->membrane.strain_threshold[t] * 0x1p-28);
@@ -278,21 +278,29 @@ static void what_is_torn_gains_nothing(void) {
   CHECK(most <= 1.25);
 }
 
-static void what_holds_a_load_keeps_its_law(void) {
-  static const char *const loads[] = {"", "load bottom 0 -20 0 N/m\n"};
-  for (uint32_t n = 0; n < 2; ++n) {
+/* Cloth that neither tears nor has a limit has steps for its loads: the law begins beyond what they draw it to, with
+ * c33 of shear as the softest. */
+static void loads_do_not_reach_the_law(void) {
+  static const double loads[] = {2, 20, 60};
+  for (uint32_t n = 0; n < 3; ++n) {
     fixture_scoped f = {0};
-    fixture_print(&f, "scene s\nmembrane {\n columns 3\n rows 3\n cell 1 cm\n material denim\n}\npin row top\n%s", loads[n]);
+    const double softest = 200, strain = loads[n] / softest;
+    double least = 1e300;
+    fixture_print(&f, "scene s\nrate 1000 Hz\nmembrane {\n columns 3\n rows 3\n cell 1 cm\n material m\n}\nmaterial m {\n base denim\n"
+                      " stretch all 600 0 600 100 N/m\n}\npin row top\nload bottom 0 -%g 0 N/m\n", loads[n]);
     membrane_stress_update(f.w);
     membrane_gains_update(f.w);
     for (uint32_t t = 0; t < (uint32_t)f.w->trimesh.state->triangles; ++t)
-      CHECK_EQ_INT(f.w->membrane.strain_threshold[t] == STRAIN_LAW_NEVER, n);
+      least = fmin(least, f.w->membrane.strain_threshold[t] * 0x1p-28);
+    printf("figure strain_law_loaded_%g %.4f, %d steps (asked: above %.4f)\n", loads[n], least, f.w->membrane.constants->steps,
+           strain);
+    CHECK(least > strain);
   }
 }
 
 int main(void) {
   TEST(what_is_torn_gains_nothing);
-  TEST(what_holds_a_load_keeps_its_law);
+  TEST(loads_do_not_reach_the_law);
   TEST(stress_is_the_derivative);
   TEST(no_slope_is_too_steep);
   TEST(fixed_point_is_the_law);

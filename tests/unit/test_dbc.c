@@ -199,7 +199,9 @@ static const struct {
               {1u << 8, "SelfCollisionBudget", "SELF_COLLISION_BUDGET"},
               {1u << 9, "ContactUnresolved", "CONTACT_UNRESOLVED"},
               {1u << 10, "MeshQueryBudget", "MESH_QUERY_BUDGET"},
-              {1u << 11, "TrianglesFull", "TRIANGLES_FULL"}};
+              {1u << 11, "TrianglesFull", "TRIANGLES_FULL"},
+              {1u << 12, "Overstretched", "OVERSTRETCHED"},
+              {1u << 13, "SpeedLimit", "SPEED_LIMIT"}};
 enum { FAULT_COUNT = sizeof FAULTS / sizeof *FAULTS };
 
 static void status_signals(void) {

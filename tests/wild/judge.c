@@ -40,6 +40,8 @@ typedef struct {
   double loaded;              /* what loads gave the vertex that they move most, m/s */
   double cloth_speed;         /* of waves at the strain of a tear, m/s */
   double mass;                /* of the free cloth, kg */
+  double steps_made;          /* by elastic steps so far, J; and what of it no law of strain has */
+  double excused;
 } judged;
 
 static void find(judge_result *r, uint32_t kind, uint32_t tick, double size, double allowed) {
@@ -193,7 +195,16 @@ static double net_of(const fray_energy_account *a, uint32_t n) {
   return n == FRAY_ENERGY_LIMITS ? net + fmin(slip, 0) : net;
 }
 
-static void judge_energy(judged *j, uint32_t tick, judge_result *r) {
+/* A strain beyond the largest has a force and no energy: what elastic steps make in such a tick says nothing.
+ * Every other stage, and every other tick, is judged as ever. */
+static double excused_net(judged *j, uint32_t n, double net, uint32_t faults) {
+  if (n != FRAY_ENERGY_STEPS) return net;
+  if ((faults & FRAY_FAULT_OVERSTRETCHED) != 0) j->excused += fmax(0, net - j->steps_made);
+  j->steps_made = net;
+  return net - j->excused;
+}
+
+static void judge_energy(judged *j, uint32_t tick, uint32_t faults, judge_result *r) {
   const fray_info *f = &j->watched.facts;
   const fray_energy_account a = fray_energy(j->watched.w);
   const double unit = energy_table_unit(f);
@@ -219,7 +230,7 @@ static void judge_energy(judged *j, uint32_t tick, judge_result *r) {
   j->rounding += f->substeps * (sqrt(2 * fmax(moving, 0) * j->mass) * speed_step +
                                 j->mass * speed_step * speed_step);
   for (uint32_t n = 0; n < FRAY_ENERGY_STAGES; ++n) {
-    const double net = net_of(&a, n) * unit;
+    const double net = excused_net(j, n, net_of(&a, n) * unit, faults);
     const double allowed = 0.01 * j->turned + j->rounding;
     if (net > allowed) find(r, JUDGE_MADE + n, tick, net, allowed);
   }
@@ -274,7 +285,7 @@ static void judge_speed(judged *j, uint32_t tick, uint32_t faults, judge_result 
   }
   const double allowed = allowed_speed(j, tick);
   if (fastest * speed > allowed) find(r, JUDGE_SPEED, tick, fastest * speed, allowed);
-  if (clamped && (faults & FRAY_FAULT_OUT_OF_WORLD) == 0)
+  if (clamped && (faults & (FRAY_FAULT_OUT_OF_WORLD | FRAY_FAULT_SPEED_LIMIT)) == 0)
     find(r, JUDGE_CLAMP, tick, fastest * speed, 0);
 }
 
@@ -297,6 +308,14 @@ static void judge_hashes(const fray_output *a, const fray_output *b, const fray_
     find(r, JUDGE_WORKERS, tick, 1, 0);
 }
 
+/* Faults are sticky; of these each tick says its own. */
+static void forget_faults(judged *j) {
+  const int32_t keep = ~(int32_t)(FRAY_FAULT_OVERSTRETCHED | FRAY_FAULT_SPEED_LIMIT);
+  j->watched.w->state->faults &= keep;
+  j->scalar.w->state->faults &= keep;
+  j->divided.w->state->faults &= keep;
+}
+
 void judge_scene(const char *text, const judge_run *run, judge_result *r) {
   judged j;
   record log;
@@ -310,6 +329,7 @@ void judge_scene(const char *text, const judge_run *run, judge_result *r) {
   r->ticks = (uint64_t)ceil(run->seconds * f->rate_hz);
   for (uint32_t tick = 0; tick < r->ticks; ++tick) {
     const fray_input input = input_of(&j, run, tick);
+    forget_faults(&j);
     const fray_output a = fixture_tick(&j.watched, &input);
     const fray_output b = fixture_tick(&j.scalar, &input);
     if (!fray_parallel_holds(j.parallel)) open_parallel(&j);
@@ -317,7 +337,7 @@ void judge_scene(const char *text, const judge_run *run, judge_result *r) {
     if (run->record != NULL) (void)record_tick(&log, &input, &a);
     r->faults |= a.faults;
     judge_hashes(&a, &b, &c, tick, r);
-    judge_energy(&j, tick, r);
+    judge_energy(&j, tick, a.faults, r);
     judge_speed(&j, tick, a.faults, r);
     judge_depth(&j, tick, a.faults, r);
     if (tick % REOPENED_EVERY == REOPENED_EVERY - 1u) {

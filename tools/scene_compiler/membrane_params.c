@@ -78,22 +78,68 @@ static int find_stiffest(const material_spec *f, exact *stiffest) {
   return 1;
 }
 
+/* The softest of c11, c22 and 2 c33 of drawn cloth: what resists a strain of each kind. */
+static exact softest_mode(const material_spec *f) {
+  exact softest = exact_make(0, 1);
+  for (uint32_t r = 1; r < MATERIAL_ROWS; ++r)
+    for (uint32_t n = 0; n < MATERIAL_ENTRIES; ++n) {
+      const exact c = n == 3 ? exact_add(f->stretch[r][n], f->stretch[r][n]) : f->stretch[r][n];
+      if (n == 1 || c.numerator <= 0) continue;
+      if (softest.numerator == 0 || exact_compare(c, softest) < 0) softest = c;
+    }
+  return softest;
+}
+
+/* The strain to which the largest load may draw cloth. */
+static exact loaded_strain(const scene *s) {
+  enum { BITS = 6 };
+  const exact softest = softest_mode(&s->membrane.cloth);
+  uint64_t most = 0;
+  for (uint32_t n = 0; n < s->load_count; ++n) {
+    uint64_t squared = 0;
+    for (uint32_t a = 0; a < 3; ++a) {
+      int64_t part = 0;
+      (void)exact_to_fixed(s->loads[n].force[a], BITS, &part);
+      squared += (uint64_t)(part * part);
+    }
+    if (squared > most) most = squared;
+  }
+  if (most == 0 || softest.numerator == 0) return exact_make(0, 1);
+  return exact_div(exact_make((int64_t)exact_sqrt(most) + 1, 1 << BITS), rounded_up(softest));
+}
+
 /* Cloth stretched by l is stiffer by 3 l + 3/2 l^2: by the square of its length, and by its tension,
  * which rotates with it. Waves are then faster by at most 3/2 l, which matters along tears, where no
  * neighbour restrains a vertex. l is at most strain_limit; without one, the strain at which it tears:
- * tension C l is the strength. In steps of 1/64, so that exact numbers stay short. */
-static exact faster_drawn(const scene *s, exact stiffest) {
-  const material_spec *f = &s->membrane.cloth;
-  exact l = s->membrane.strain_limit;
+ * tension C l is the strength; or what loads draw it to. In steps of 1/64, so that exact numbers stay short. */
+static exact faster_drawn(exact l) {
   int64_t steps = 0;
+  if (!exact_to_fixed(exact_mul(l, exact_make(3, 2)), 6, &steps)) return exact_make(16, 1);
+  return exact_make(64 + fx_clamp64(steps + 1, 0, 64 * 15), 64);
+}
+
+static exact strength_of(const material_spec *f) {
   exact max = exact_make(0, 1);
-  for (uint32_t n = 0; n < TEAR_STRENGTH_DIRECTIONS; ++n)
-    if (exact_compare(f->strength[n], max) > 0) max = f->strength[n];
+  for (uint32_t n = 0; n < TEAR_STRENGTH_DIRECTIONS; ++n) max = larger(max, f->strength[n]);
+  return max;
+}
+
+/* Of cloth that tears or has a limit. */
+static exact faster_torn(const scene *s, exact stiffest) {
+  const exact max = strength_of(&s->membrane.cloth);
+  exact l = s->membrane.strain_limit;
   if (max.numerator == 0 && l.numerator == 0) return exact_make(1, 1);
   if (l.numerator == 0) l = exact_div(max, stiffest);
   if (!exact_valid(l)) l = exact_div(rounded_up(max), rounded_up(stiffest));
-  if (!exact_to_fixed(exact_mul(l, exact_make(3, 2)), 6, &steps)) return exact_make(16, 1);
-  return exact_make(64 + fx_clamp64(steps + 1, 0, 64 * 15), 64);
+  return faster_drawn(l);
+}
+
+/* Of other cloth, which loads draw: the factor of its steps that lets strain_law.h begin beyond that. */
+static exact faster_loaded(const scene *s) {
+  const exact max = strength_of(&s->membrane.cloth);
+  if (s->load_count == 0 || max.numerator != 0 || s->membrane.strain_limit.numerator != 0)
+    return exact_make(1, 1);
+  return faster_drawn(loaded_strain(s));
 }
 
 /* The edge of a right isosceles triangle that is as stiff as the stiffest of these, Q24 lu. */
@@ -116,7 +162,7 @@ static exact steps_squared(const draft *d, int64_t edge, exact stiffest) {
   /* N/m over g/cm2 is 1000 cm2/s2; the edge is in Q24 lu, taken to 2^-12 of it so that squares fit */
   const exact speed = exact_mul(exact_div(stiffest, s->membrane.cloth.density), exact_make(1000, 1));
   const exact length = exact_div(exact_make(edge >> 12, 4096), d->lu_per_cm);
-  const exact per_tick = exact_mul(exact_make(17, 10 * (int64_t)s->rate_hz), faster_drawn(s, stiffest));
+  const exact per_tick = exact_mul(exact_make(17, 10 * (int64_t)s->rate_hz), faster_torn(s, stiffest));
   const exact crossed = exact_div(exact_div(speed, length), length);
   return exact_mul(crossed, exact_mul(per_tick, per_tick));
 }
@@ -154,6 +200,10 @@ static int find_steps(draft *d, int64_t edge, int64_t *wanted) {
     *wanted = steps_max * steps_max * ((int64_t)1 << STEPS_BITS);
     return 1;
   }
+  const exact faster = faster_loaded(s);
+  const exact loaded = exact_mul(rounded_up(squared), exact_mul(faster, faster));
+  if (faster.numerator != faster.denominator)
+    squared = exact_valid(loaded) && exact_compare(loaded, bound) < 0 ? loaded : bound; /* loads scale no stiffness */
   if (!exact_to_fixed(squared, STEPS_BITS, wanted) || !exact_to_fixed(squared, 16, &fixed))
     return refuse_stiffness(d);
   const uint32_t steps = (exact_sqrt((uint64_t)fixed) + 255) / 256; /* root of Q16: Q8 */
