@@ -129,7 +129,8 @@ static void friction_only_takes(void) {
     fray_energy_watch(f.w);
     for (uint32_t tick = 0; tick < 50; ++tick) (void)fixture_tick(&f, &fixture_idle);
     const fray_energy_account a = fray_energy(f.w);
-    const double turned = (double)a.begun + fabs((double)a.gravity) + 1;
+    const double high = (double)a.gravity + (double)a.stored[FRAY_STORED_POTENTIAL]; /* at first */
+    const double turned = (double)a.begun - high + fabs((double)a.gravity);
     double net = 0;
     for (uint32_t stage = 0; stage < FRAY_ENERGY_STAGES; ++stage) net += (double)a.made[stage] - (double)a.lost[stage];
     slip = fmax(slip, (double)a.made[FRAY_ENERGY_SLIP] / turned);
