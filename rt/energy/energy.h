@@ -57,9 +57,9 @@ static inline void energy_springs(fray_world *w) {
 #endif
   energy_stage(w, FRAY_ENERGY_STEPS);
 }
-/* The gap of a contact of elastic yarns is about to change by a slide. What that takes from the contact is the
- * work of friction, but for k by^2 / 2: of that the step before has stored too much, as the contact's force was
- * that behind the slide all along. */
+/* The gap of a contact of elastic yarns is about to change by a slide. What that takes from the contact is
+ * the work of friction, but for k by^2 / 2: so much the step before has stored too much, as the contact's
+ * force was that behind the slide all along. */
 static inline void energy_slide(fray_world *w, vec3 by) {
   (void)by;
   ENERGY_HOOK(energy_add_slide(w, by));

@@ -2,9 +2,9 @@
 /* Elastic energies of woven cloth. Bend and shear springs and elastic yarns pull with k (1 - r/l)
  * d, of a difference d as long as l and the rest length r: their energy is k (l - r)^2 / 2. Beyond
  * lengths where the stage holds the factor 1 - r/l to a bound, the energy goes on with that factor.
- * Yarns without a stiffness are projected and store nothing. Contacts of elastic yarns are springs as well; their
- * impulses J act in every second elastic step, so that v goes up and down around what particles move by: their part
- * of form is - v.J / 2 after a pass, v.J / 2 before the next, and in proportion between.
+ * Yarns without a stiffness are projected and store nothing. Contacts of elastic yarns are springs as well;
+ * their impulses J act in every second elastic step, so that v goes up and down around what particles move
+ * by: their part of form is - v.J / 2 after a pass, v.J / 2 before the next, and in proportion between.
  *
  * Springs that act once a tick give the impulse k (1 - r/l) d in a tick of S substeps: their energy
  * is that over S. Their part of form is v.J / 2 before they act, so that the sum does not change
@@ -12,7 +12,7 @@
  * - v.J / 2 after that, and in proportion between. That of yarns is v.J / 2 of an elastic step. */
 #include "rt/energy/energy_measure.h"
 #include "rt/state/crossing.h"
-#include "rt/woven/yarn_slip.h"
+#include "rt/state/yarn_touch.h"
 
 #if FRAY_ENERGY
 
@@ -199,14 +199,15 @@ static void measure_contacts(const fray_world *w, energy_stored *e) {
   wide_number form = {0, 0};
   for (uint32_t n = 0; n < (uint32_t)w->woven.yarn_counts->split; ++n) {
     yarn_touch touch;
-    if (!yarn_contact_acts(w, n) || !yarn_slip_touch(w, n, &touch)) continue;
+    if (!yarn_contact_acts(w, n) || !yarn_touch_at(w, n, &touch)) continue;
     sum = wide_add(sum, energy_of_contact(w, touch.gap));
     form = wide_add(form, half_power(w, n, &touch));
   }
   e->yarns = wide_add(e->yarns, sum);
   FRAY_ASSERT(w->energy.since_pass >= 0);
   const int64_t period = 1 << ((uint32_t)w->woven.elastic_params->steps_bits - yarn_slip_bits(w));
-  e->form = wide_add(e->form, wide_over(wide_times(form, 2 * w->energy.since_pass - period, 0), (uint32_t)period));
+  const wide_number part = wide_times(form, 2 * w->energy.since_pass - period, 0);
+  e->form = wide_add(e->form, wide_over(part, (uint32_t)period));
 }
 
 void energy_measure_woven(const fray_world *w, energy_stored *e) {

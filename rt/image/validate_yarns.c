@@ -4,7 +4,7 @@
 #include "rt/state/crossing.h"
 
 static int contact_is_empty(const yarn_contact *c) {
-  return (c->place[0] | c->place[1]) == 0 && (c->offset[0] | c->offset[1] | c->offset[2]) == 0 && c->grip == 0;
+  return (c->place[0] | c->place[1] | c->grip) == 0 && (c->offset[0] | c->offset[1] | c->offset[2]) == 0;
 }
 
 /* Crossing k of the yarn of an axis through `crossing`. */

@@ -76,7 +76,7 @@ __attribute__((noinline)) static void find_strained(fray_world *w) {
 static int is_apart(const fray_world *w, uint32_t c, uint64_t bound) {
   const uint32_t n = crossing_contact(w, c);
   yarn_touch touch;
-  if ((w->woven.crossing_state[c] & CROSSING_LEFT) != 0 || !yarn_slip_touch(w, n, &touch)) return 1;
+  if ((w->woven.crossing_state[c] & CROSSING_LEFT) != 0 || !yarn_touch_at(w, n, &touch)) return 1;
   const vec3 particles = vec_sub(world_position(w, w->woven.warp_particle[c]),
                                  world_position(w, w->woven.crossing_particle[c]));
   return vec_squared(w->woven.yarn_constants->disconnect_by_particles != 0 ? particles : touch.gap) > bound;

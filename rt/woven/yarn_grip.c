@@ -13,7 +13,8 @@
  * wave so that both press alike, and one that is slack presses nothing. The last term is the capstan: what
  * turns a yarn over another presses it, too.
  *
- * times the scene's static_friction where the contact did not slide in the last tick, and for whole crossings.
+ * times the scene's static_friction where the contact did not slide in the last tick, and for whole
+ * crossings.
  *
  * Forces are lengths, by which a contact gives way under them, Q24 lu. The tension of a projected link is
  * read from its strain: in one sweep of projections the next link draws a link's end out of its place, by
@@ -175,8 +176,9 @@ static int32_t length_across(vec3 v, vec3 unit) {
 static int32_t limit_of(const fray_world *w, const grip_gains *k, uint32_t n, uint32_t axis,
                         const yarn_touch *touch, int32_t weight, int slides) {
   const vec3 along = vec_unit(touch->spot[axis].along, vec_make(0, 0, 0));
-  const int64_t pressed = (int64_t)yarn_contact_pressed(&w->woven.contacts[n]) + length_across(touch->gap, along);
-  return (int32_t)fx_clamp64(held_by(w, weight, pressed, slides) * k->inverse[axis] >> 20, LIMIT_MIN, LIMIT_MAX);
+  const int32_t pressed = yarn_contact_pressed(&w->woven.contacts[n]);
+  const int64_t held = held_by(w, weight, (int64_t)pressed + length_across(touch->gap, along), slides);
+  return (int32_t)fx_clamp64(held * k->inverse[axis] >> 20, LIMIT_MIN, LIMIT_MAX);
 }
 
 static int32_t faded(int32_t offset) {
@@ -196,7 +198,7 @@ static void update_contact(fray_world *w, const grip_gains *k, uint32_t n) {
   for (uint32_t direction = 0; direction < 4; ++direction)
     t->neighbour[direction] = add_side(w, k, crossing, direction, c->place[direction / 2u], &sides);
   for (uint32_t axis = 0; axis < 3; ++axis) c->offset[axis] = faded(c->offset[axis]);
-  if (!yarn_slip_touch(w, n, &touch)) return;
+  if (!yarn_touch_at(w, n, &touch)) return;
   press(w, k, n, &touch, sides.turns);
   for (uint32_t axis = 0; axis < 2; ++axis)
     t->limit[axis] = limit_of(w, k, n, axis, &touch, sides.weight, (slid >> axis & 1u) != 0);

@@ -16,7 +16,7 @@ void yarn_slip_begin(fray_world *w, uint32_t n) {
   vec_store(w->woven.contact_steps[n].impulse, vec_make(0, 0, 0));
   w->woven.contact_steps[n].number[FRAY_WEFT] = (index_t)(c / (uint32_t)w->params->warps);
   w->woven.contact_steps[n].number[FRAY_WARP] = (index_t)(c % (uint32_t)w->params->warps);
-  if (yarn_slip_touch(w, n, &touch)) vec_store(k->offset, added_offset(k, touch.gap));
+  if (yarn_touch_at(w, n, &touch)) vec_store(k->offset, added_offset(k, touch.gap));
 }
 
 void yarn_slip_before_breaks(fray_world *w) {
@@ -24,7 +24,7 @@ void yarn_slip_before_breaks(fray_world *w) {
   if (w->woven.tear_count == 0) return;
   for (uint32_t n = 0; n < (uint32_t)w->woven.yarn_counts->split; ++n) {
     yarn_touch touch;
-    if (yarn_contact_acts(w, n) && yarn_slip_touch(w, n, &touch))
+    if (yarn_contact_acts(w, n) && yarn_touch_at(w, n, &touch))
       vec_store(w->woven.contact_steps[n].quiet, touch.gap);
   }
 }
@@ -48,7 +48,7 @@ static void reseat(fray_world *w, uint32_t n) {
     const yarn_line line = yarn_line_of(w, axis, t->number[axis]);
     c->place[axis] = place_beside_break(w, &line, c->place[axis]);
   }
-  if (!yarn_slip_touch(w, n, &touch))
+  if (!yarn_touch_at(w, n, &touch))
     crossing_set_left(w, yarn_contact_crossing(w, n));
   else
     vec_store(c->offset, added_offset(c, vec_sub(touch.gap, vec_of(t->quiet))));

@@ -21,8 +21,7 @@
  * Energy, projected yarns: the impulse changes velocities by as much as the yarns part, so no contact makes
  * any. What the gap asks for beyond that moves positions alone.
  * Elastic yarns: the contact is a spring and stores k g^2 / 2. g is that of where particles would be when
- * contacts act next, which damps it: an implicit force that takes from its own oscillation. A slide only takes
- * from what is stored.
+ * contacts act next, which damps it. A slide only takes from what is stored.
  *
  * A contact that slides off a yarn's end, or past a break, leaves at once: its force does not come back.
  * What follows for its crossing comes at the end of the tick (crossing_transition.c).
@@ -35,7 +34,6 @@
 #include "rt/woven/woven.h"
 
 enum {
-  GAP_MAX = FX_LU / 4,          /* each component, Q24 lu */
   SLIDE_MAX = YARN_PLACE_ONE / 4,
   NEAR_STEP = YARN_SLIP_NEAR + YARN_PLACE_ONE / 20, /* places nearer than that slide a fifth of their way */
   NEAREST = YARN_PLACE_ONE / 10, /* of the room down to this each of two neighbours takes half at most */
@@ -53,11 +51,6 @@ static yarn_line line_of(const fray_world *w, uint32_t n, uint32_t axis) {
   return yarn_line_of(w, axis, w->woven.contact_steps[n].number[axis]);
 }
 
-static vec3 touch_gap(const yarn_touch *touch, const yarn_contact *c) {
-  const vec3 apart = vec_sub(touch->spot[FRAY_WARP].at, touch->spot[FRAY_WEFT].at);
-  return vec_sub(vec_clamp(apart, GAP_MAX), vec_of(c->offset));
-}
-
 static int spot_at(const fray_world *w, uint32_t n, uint32_t axis, uint32_t place, yarn_touch *touch) {
   const yarn_line line = line_of(w, n, axis);
   return yarn_spot_at(w, &line, place, &touch->spot[axis]);
@@ -66,20 +59,7 @@ static int spot_at(const fray_world *w, uint32_t n, uint32_t axis, uint32_t plac
 static int touch_at(const fray_world *w, uint32_t n, const uint32_t place[2], yarn_touch *touch) {
   for (uint32_t axis = 0; axis < 2; ++axis)
     if (!spot_at(w, n, axis, place[axis], touch)) return 0;
-  touch->gap = touch_gap(touch, &w->woven.contacts[n]);
-  return 1;
-}
-
-int yarn_slip_touch(const fray_world *w, uint32_t n, yarn_touch *touch) {
-  FRAY_ASSERT(n < (uint32_t)w->woven.yarn_counts->split);
-  const yarn_contact *c = &w->woven.contacts[n];
-  const uint32_t crossing = yarn_contact_crossing(w, n);
-  const uint32_t warps = (uint32_t)w->params->warps;
-  for (uint32_t axis = 0; axis < 2; ++axis) {
-    const yarn_line line = yarn_line_of(w, axis, axis == (uint32_t)FRAY_WARP ? crossing % warps : crossing / warps);
-    if (!yarn_spot_at(w, &line, c->place[axis], &touch->spot[axis])) return 0;
-  }
-  touch->gap = touch_gap(touch, c);
+  touch->gap = yarn_touch_gap(touch, &w->woven.contacts[n]);
   return 1;
 }
 
@@ -116,7 +96,7 @@ static int32_t slide_of(const fray_world *w, uint32_t n, uint32_t axis, int32_t 
 
 /* g . d / |d|^2 in Q20 spacings: what slides until the contact has no force along the yarn. */
 static int32_t pull_along(const slip_gains *k, const yarn_touch *touch, uint32_t axis) {
-  const vec3 along = vec_clamp(touch->spot[axis].along, GAP_MAX);
+  const vec3 along = vec_clamp(touch->spot[axis].along, YARN_GAP_MAX);
   const int32_t dot = (int32_t)fx_round64(vec_dot64(touch->gap, along), 16);
   const int32_t pull = fx_mul_round(dot, k->inverse[axis], INVERSE_BITS - YARN_PLACE_BITS);
   return axis == (uint32_t)FRAY_WARP ? -pull : pull;
@@ -134,14 +114,14 @@ static int slide_along(const fray_world *w, const slip_gains *k, uint32_t n, uin
   if (past > YARN_PLACE_BEYOND && (spot->goes & YARN_GOES_ON) == 0) return 0;
   t->next[axis] += (uint32_t)by;
   if (!spot_at(w, n, axis, t->next[axis], touch)) return 0;
-  touch->gap = touch_gap(touch, &w->woven.contacts[n]);
+  touch->gap = yarn_touch_gap(touch, &w->woven.contacts[n]);
   return 1;
 }
 
 /* What a particle has moved in this substep, Q24 lu: by its velocity and by projections. */
 static vec3 displacement(const fray_world *w, uint32_t p) {
   const vec3 since = vec_sub(world_position(w, p), vec_at(w->p.qx, w->p.qy, w->p.qz, p));
-  return vec_clamp_rare(vec_add(vec_round(world_velocity(w, p), FX_SUB_BITS), since), GAP_MAX);
+  return vec_clamp_rare(vec_add(vec_round(world_velocity(w, p), FX_SUB_BITS), since), YARN_GAP_MAX);
 }
 
 /* The middle one's weight is what the two others leave. */

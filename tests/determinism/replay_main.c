@@ -16,7 +16,7 @@
 #include "tests/determinism/line.h"
 
 #ifndef REPLAY_MEMORY
-#define REPLAY_MEMORY 131072 /* of a world */
+#define REPLAY_MEMORY 163840 /* of a world */
 #endif
 #ifndef REPLAY_SAVED
 #define REPLAY_SAVED 65536 /* of an image */

@@ -39,7 +39,7 @@ static void run_ceiling(fixture *f, uint32_t ticks, outcome *o) {
     o->least = fmin(o->least, o->end);
     o->most = fmax(o->most, o->end);
   }
-  CHECK_EQ_INT(o->faults, 0);
+  CHECK_EQ_INT(o->faults & ~(uint32_t)FRAY_FAULT_OVERSTRETCHED, 0); /* beside a tear */
   CHECK_EQ_INT(o->over, 0);
   CHECK(o->deepest <= 1);
 }

@@ -222,7 +222,7 @@ static void nothing_jolts(void) {
   yarn_touch before[CROSSINGS];
   uint32_t acts[CROSSINGS];
   yarn_grip_update(w);
-  for (uint32_t n = 0; n < (uint32_t)w->woven.yarn_counts->split; ++n) acts[n] = (uint32_t)yarn_slip_touch(w, n, &before[n]);
+  for (uint32_t n = 0; n < (uint32_t)w->woven.yarn_counts->split; ++n) acts[n] = (uint32_t)yarn_touch_at(w, n, &before[n]);
   w->woven.tear_count = 3;
   for (uint32_t k = 0; k < 3; ++k) w->woven.tear_queue[k] = (torn_spring){20 + 17 * k, 1 + k};
   yarn_slip_before_breaks(w);
@@ -230,7 +230,7 @@ static void nothing_jolts(void) {
   yarn_slip_after_breaks(w);
   for (uint32_t n = 0; n < (uint32_t)w->woven.yarn_counts->split; ++n) {
     yarn_touch now;
-    if (!acts[n] || !yarn_contact_acts(w, n) || !yarn_slip_touch(w, n, &now)) continue;
+    if (!acts[n] || !yarn_contact_acts(w, n) || !yarn_touch_at(w, n, &now)) continue;
     jolts += !vec_is_equal(now.gap, before[n].gap);
   }
   CHECK_EQ_INT(jolts, 0);
@@ -241,7 +241,7 @@ static void nothing_jolts(void) {
   yarn_touch born;
   crossing_split(bent.w, c, FRAY_LOOSE);
   yarn_slip_begin(bent.w, crossing_contact(bent.w, c));
-  CHECK(yarn_slip_touch(bent.w, crossing_contact(bent.w, c), &born) && vec_squared(born.gap) == 0);
+  CHECK(yarn_touch_at(bent.w, crossing_contact(bent.w, c), &born) && vec_squared(born.gap) == 0);
 }
 
 /* A contact that is pushed against a whole crossing splits it; one that friction holds there does not. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "rt/woven/yarn_curve.h"
+#include "rt/state/yarn_curve.h"
 
-#include "rt/woven/yarn_slip.h"
+#include "rt/state/yarn_touch.h"
 
 enum { HALF = YARN_PLACE_HALF };
 

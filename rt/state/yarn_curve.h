@@ -7,8 +7,8 @@
  *   x'(u)  (1/2 - s) (k - a) + (1/2 + s) (b - k)
  *
  * Every call has constant cost. */
-#ifndef FRAY_WOVEN_YARN_CURVE_H
-#define FRAY_WOVEN_YARN_CURVE_H
+#ifndef FRAY_STATE_YARN_CURVE_H
+#define FRAY_STATE_YARN_CURVE_H
 
 #include "rt/state/world.h"
 
