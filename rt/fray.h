@@ -177,7 +177,7 @@ typedef struct {
   uint32_t over_threshold;    /* structural springs found over their tear strain */
   uint32_t transitions;       /* structural springs tested for splitting, crossings for disconnecting */
   uint32_t splits;            /* crossings split, loosened or disconnected */
-  uint32_t slips;             /* connected and loose crossings x substeps, x elastic steps / 2 */
+  uint32_t slips;             /* connected and loose crossings x substeps, x elastic steps */
   uint32_t yarn_forces;       /* structural springs x elastic steps x substeps, twice with damping */
   uint32_t tear_candidates;   /* lines along which the membrane was tested for a tear */
   uint32_t element_forces;    /* triangles x elastic steps x substeps */

@@ -135,7 +135,6 @@ void energy_close_slides(fray_world *w) {
   l->booked = wide_sub(l->booked, l->slid);
   l->slid = nothing;
   book(w, FRAY_ENERGY_SLIP, 1);
-  l->since_pass = 0;
 }
 
 void energy_open_tick(fray_world *w) {

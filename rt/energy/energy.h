@@ -64,13 +64,6 @@ static inline void energy_slide(fray_world *w, vec3 by) {
   (void)by;
   ENERGY_HOOK(energy_add_slide(w, by));
 }
-/* Elastic yarns have pulled. */
-static inline void energy_elastic_step(fray_world *w) {
-#if FRAY_ENERGY
-  ++w->energy.since_pass;
-#endif
-  (void)w;
-}
 /* All slides of a pass are known; and made. */
 static inline void energy_slides_found(fray_world *w) { ENERGY_HOOK(energy_close_steps_of_slides(w)); }
 static inline void energy_slides_made(fray_world *w) { ENERGY_HOOK(energy_close_slides(w)); }

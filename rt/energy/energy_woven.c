@@ -2,9 +2,7 @@
 /* Elastic energies of woven cloth. Bend and shear springs and elastic yarns pull with k (1 - r/l)
  * d, of a difference d as long as l and the rest length r: their energy is k (l - r)^2 / 2. Beyond
  * lengths where the stage holds the factor 1 - r/l to a bound, the energy goes on with that factor.
- * Yarns without a stiffness are projected and store nothing. Contacts of elastic yarns are springs as well;
- * their impulses J act in every second elastic step, so that v goes up and down around what particles move
- * by: their part of form is - v.J / 2 after a pass, v.J / 2 before the next, and in proportion between.
+ * Yarns without a stiffness are projected and store nothing. Contacts of elastic yarns are springs as well.
  *
  * Springs that act once a tick give the impulse k (1 - r/l) d in a tick of S substeps: their energy
  * is that over S. Their part of form is v.J / 2 before they act, so that the sum does not change
@@ -167,47 +165,19 @@ static void measure_yarns(const fray_world *w, energy_stored *e) {
 
 /* k g^2 / 2, k = kappa (m / 2) / h^2, h the time between passes. */
 wide_number energy_of_contact(const fray_world *w, vec3 gap) {
-  const wide_number half = wide_product((int64_t)vec_squared(gap), YARN_SLIP_KAPPA,
+  const wide_number half = wide_product((int64_t)vec_squared(gap), yarn_slip_kappa(w),
                                         2u * FX_POSITION_BITS + YARN_SLIP_KAPPA_BITS + 2u);
   return wide_shift_up(half, 2u * yarn_slip_bits(w));
 }
 
-/* Q28 lu per substep. */
-static vec3 velocity_at(const fray_world *w, const yarn_spot *spot) {
-  const int32_t b[3] = {spot->weight[0], YARN_PLACE_ONE - spot->weight[0] - spot->weight[1], spot->weight[1]};
-  vec3 sum = vec_make(0, 0, 0);
-  for (uint32_t n = 0; n < 3; ++n) {
-    const vec64 v = velocity_of(w, spot->particle[n]);
-    const vec3 part = vec_make(fx_mul_round((int32_t)v.x, b[n], YARN_PLACE_BITS),
-                               fx_mul_round((int32_t)v.y, b[n], YARN_PLACE_BITS),
-                               fx_mul_round((int32_t)v.z, b[n], YARN_PLACE_BITS));
-    sum = vec_add(sum, part);
-  }
-  return sum;
-}
-
-/* v.J / 2 of the impulse on both yarns, in units of momentum of half a particle. */
-static wide_number half_power(const fray_world *w, uint32_t n, const yarn_touch *touch) {
-  const vec3 parting =
-      vec_sub(velocity_at(w, &touch->spot[FRAY_WEFT]), velocity_at(w, &touch->spot[FRAY_WARP]));
-  const int64_t power = vec_dot64(parting, vec_of(w->woven.contact_steps[n].impulse));
-  return wide_shift_up(wide_of(power, FX_VELOCITY_BITS + FX_POSITION_BITS + 2u), yarn_slip_bits(w));
-}
-
 static void measure_contacts(const fray_world *w, energy_stored *e) {
   wide_number sum = {0, 0};
-  wide_number form = {0, 0};
   for (uint32_t n = 0; n < (uint32_t)w->woven.yarn_counts->split; ++n) {
     yarn_touch touch;
     if (!yarn_contact_acts(w, n) || !yarn_touch_at(w, n, &touch)) continue;
     sum = wide_add(sum, energy_of_contact(w, touch.gap));
-    form = wide_add(form, half_power(w, n, &touch));
   }
   e->yarns = wide_add(e->yarns, sum);
-  FRAY_ASSERT(w->energy.since_pass >= 0);
-  const int64_t period = 1 << ((uint32_t)w->woven.elastic_params->steps_bits - yarn_slip_bits(w));
-  const wide_number part = wide_times(form, 2 * w->energy.since_pass - period, 0);
-  e->form = wide_add(e->form, wide_over(part, (uint32_t)period));
 }
 
 void energy_measure_woven(const fray_world *w, energy_stored *e) {

@@ -7,6 +7,6 @@
 
 #include <stdint.h>
 
-#define PHYSICS_ID UINT32_C(0x9DB573D7)
+#define PHYSICS_ID UINT32_C(0xDF840BF2)
 
 #endif

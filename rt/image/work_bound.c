@@ -122,8 +122,7 @@ static void add_woven(const fray_world *w, fray_work *most) {
   most->slips = spares * substeps;
   if (world_has_elastic_yarns(w)) {
     most->yarn_forces = (links * substeps) << (uint32_t)w->woven.elastic_params->steps_bits;
-    if (w->woven.elastic_params->steps_bits > 1)
-      most->slips <<= (uint32_t)w->woven.elastic_params->steps_bits - 1u;
+    most->slips <<= (uint32_t)w->woven.elastic_params->steps_bits;
     if (w->woven.elastic_params->damping_ns != 0) most->yarn_forces *= 2u;
   }
   if (p->tearing == 0) return;

@@ -24,8 +24,7 @@
 enum {
   COARSE_BITS = 10,   /* bits of axes, and bits that coordinates along them are coarser than positions */
   ROUNDING = 1 << 13, /* bound of the rounding of a difference of two such coordinates */
-  SAMPLES = 8,        /* crossings along each side of a quarter of the cloth that tell how it lies */
-  STACK = 16 * SELF_LEVELS
+  SAMPLES = 8         /* crossings along each side of a quarter of the cloth that tell how it lies */
 };
 
 /* The cloth's own axes u, v, n. */
@@ -47,18 +46,6 @@ typedef struct {
   node a, b;
   uint32_t level;
 } node_pair;
-
-/* Two nodes in one word, 13 bits for each number: a stack entry is read right after it was written, and
- * a core stalls where that is written in parts and read whole. */
-static inline uint64_t pack(node a, node b, uint32_t level) {
-  return (uint64_t)(a.i << 13 | a.j) << 30 | (uint64_t)(b.i << 13 | b.j) << 4 | level;
-}
-static inline node_pair unpack(uint64_t word) {
-  const uint32_t high = (uint32_t)(word >> 30);
-  const uint32_t low = (uint32_t)(word >> 4) & ((1u << 26) - 1u);
-  const node_pair v = {{high >> 13, high & 8191u}, {low >> 13, low & 8191u}, (uint32_t)word & 15u};
-  return v;
-}
 
 /* Unit vector, Q30; `otherwise` where v has no direction. */
 static vec3 axis_unit(vec3 v, vec3 otherwise) {
@@ -363,45 +350,67 @@ static int may_collide(const fray_world *w, const tree *t, const node_pair *v) {
   return (is_one_node(v) || (!box_is_beyond(a, b) && !box_is_beyond(b, a))) && !are_flat(w, v);
 }
 
-/* Pushes the pairs of children of two nodes, or of one, that may collide; returns the new top of the
- * stack. */
-static uint32_t push_children(const fray_world *w, const tree *t, const node_pair *v, uint64_t *stack,
-                              uint32_t top) {
+/* A pair of nodes on the way down, and how many pairs of their children were not visited yet. */
+typedef struct {
+  node_pair pair;
+  uint32_t left;
+} visit;
+
+/* The next pair of children that may collide. Returns 0 iff none is left. */
+static int next_children(const fray_world *w, const tree *t, visit *v, node_pair *children) {
   const uint32_t turn = (uint32_t)state_tick(w->state) % 4u; /* so a bound leaves out others each tick */
-  const uint32_t columns = t->columns[v->level - 1u];
-  const uint32_t rows = t->rows[v->level - 1u];
-  for (uint32_t m = 0; m < 4; ++m)
-    for (uint32_t n = is_one_node(v) ? m : 0; n < 4; ++n) {
-      const node_pair child = {child_of(v->a, m ^ turn), child_of(v->b, n ^ turn), v->level - 1u};
-      if (child.a.i < columns && child.b.i < columns && child.a.j < rows && child.b.j < rows &&
-          may_collide(w, t, &child))
-        stack[top++] = pack(child.a, child.b, child.level);
-    }
-  FRAY_ASSERT(top <= STACK);
-  return top;
+  const uint32_t level = v->pair.level - 1u;
+  while (v->left > 0) {
+    --v->left;
+    const uint32_t m = v->left / 4u;
+    const uint32_t n = v->left % 4u;
+    if (is_one_node(&v->pair) && n < m) continue;
+    const node_pair next = {child_of(v->pair.a, m ^ turn), child_of(v->pair.b, n ^ turn), level};
+    if (next.a.i >= t->columns[level] || next.b.i >= t->columns[level] || next.a.j >= t->rows[level] ||
+        next.b.j >= t->rows[level] || !may_collide(w, t, &next))
+      continue;
+    *children = next;
+    return 1;
+  }
+  return 0;
+}
+
+/* Returns 0 iff the budget is used up. */
+static int take_tests(fray_world *w, const node_pair *v, uint32_t *left) {
+  const uint32_t tests = v->level == 0 ? 1 : is_one_node(v) ? 10 : 16;
+  if (*left < tests) return 0;
+  *left -= tests;
+  w->work.self_box_tests += tests;
+  return 1;
 }
 
 /* Descends both nodes of a pair at once: 10 or 16 pairs of children each. Where the budget of tests is used
  * up, the rest is left out in this tick. */
 static void find_pairs(fray_world *w, const tree *t) {
-  uint64_t stack[STACK];
+  visit way[SELF_LEVELS]; /* from the root, a pair a level */
   const node root = {0, 0};
+  const visit whole = {{root, root, t->levels}, 16};
   uint32_t left = w->capacity[POOL_CROSSINGS] * SELF_VISITS;
-  uint32_t top = 1;
-  stack[0] = pack(root, root, t->levels);
-  while (top > 0) {
-    const node_pair v = unpack(stack[--top]);
-    const uint32_t tests = v.level == 0 ? 1 : is_one_node(&v) ? 10 : 16;
-    if (left < tests) {
+  uint32_t length = 1;
+  way[0] = whole;
+  FRAY_ASSERT(t->levels < (uint32_t)SELF_LEVELS);
+  if (!take_tests(w, &whole.pair, &left)) {
+    meet_bound(w);
+    return;
+  }
+  while (length > 0) {
+    visit *v = &way[length - 1u];
+    visit down = {{root, root, 0}, 16};
+    if (v->pair.level == 0) test_crossings(w, &v->pair);
+    if (v->pair.level == 0 || !next_children(w, t, v, &down.pair)) {
+      --length;
+      continue;
+    }
+    if (!take_tests(w, &down.pair, &left)) {
       meet_bound(w);
       return;
     }
-    left -= tests;
-    w->work.self_box_tests += tests;
-    if (v.level == 0)
-      test_crossings(w, &v);
-    else
-      top = push_children(w, t, &v, stack, top);
+    way[length++] = down;
   }
 }
 

@@ -47,7 +47,6 @@ typedef struct {
   wide_number begin_potential;
   wide_number supplied[FRAY_ENERGY_SUPPLIES];
   wide_number booked;                    /* of this stage: what it has put into a row itself */
-  int32_t since_pass;                    /* elastic steps since contacts of yarns acted */
   wide_number slid;                      /* of slides of this pass: what the step before stored too much */
   wide_number stage[FRAY_ENERGY_STAGES]; /* of this tick, net */
   wide_number made[FRAY_ENERGY_STAGES], lost[FRAY_ENERGY_STAGES];

@@ -11,11 +11,15 @@ enum { YARN_GAP_MAX = FX_LU / 4 }; /* each component, Q24 lu */
 /* A contact gives way by kappa / 2 of the gap in a substep, for yarns of half a crossing's mass each: its
  * stiffness is kappa (m / 2) / h^2. Measured: energy falls for kappa up to 0.6. */
 enum { YARN_SLIP_KAPPA = 13107, YARN_SLIP_KAPPA_BITS = 15 }; /* 0.4 */
-/* Contacts act 2^bits times a substep: of elastic yarns in each second elastic step, of others behind the
+/* Contacts act 2^bits times a substep: of elastic yarns in each elastic step, of others behind the
  * projections. h is the time between. */
 static inline unsigned yarn_slip_bits(const fray_world *w) {
-  if (!world_has_elastic_yarns(w) || w->woven.elastic_params->steps_bits == 0) return 0;
-  return (unsigned)w->woven.elastic_params->steps_bits - 1u;
+  return world_has_elastic_yarns(w) ? (unsigned)w->woven.elastic_params->steps_bits : 0u;
+}
+
+/* kappa, Q15: elastic yarns have many passes, and softer contacts share their loads more evenly. */
+static inline int32_t yarn_slip_kappa(const fray_world *w) {
+  return world_has_elastic_yarns(w) ? YARN_SLIP_KAPPA / 4 : YARN_SLIP_KAPPA;
 }
 
 static inline uint32_t yarn_contact_crossing(const fray_world *w, uint32_t n) {

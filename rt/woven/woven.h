@@ -22,7 +22,7 @@ void yarn_grip_update(fray_world *w);
 
 /* Each substep. */
 
-/* Moves the particles of elastic yarns, instead of particles_advance(); slides their crossings in each second
+/* Moves the particles of elastic yarns, instead of particles_advance(); slides their crossings in each
  * elastic step. Cost: elastic steps times (links + particles + split crossings). */
 void yarn_stretch_run(fray_world *w);
 /* Projects structural links (section 4.1), then diagonals shorter than a shear lock allows. Cost: iterations

@@ -42,13 +42,13 @@ typedef struct {
   int32_t thickness[2];   /* Q20 spacings */
 } grip_gains;
 
-/* 5 R^2 mantissa 2^(steps_bits - scale - 28), Q16, for a contact once a substep: see yarn_stretch.c; an
- * elastic step changes velocities by d e phi(u) mantissa 2^-(scale + 24), of which phi(0) = 1/2. */
+/* 20 R^2 mantissa 2^(steps_bits - scale - 28), Q16, over 4^bits of contacts: see yarn_stretch.c; an elastic
+ * step changes velocities by d e phi(u) mantissa 2^-(scale + 24), of which phi(0) = 1/2. */
 static int32_t elastic_of(const fray_world *w, uint32_t class) {
   if (!world_has_elastic_yarns(w)) return 0;
   const yarn_gain *k = &w->woven.yarn_gains[class];
   const int32_t bits = w->woven.elastic_params->steps_bits;
-  const int32_t down = k->pull_scale + 12 - bits + 2 * (int32_t)yarn_slip_bits(w);
+  const int32_t down = k->pull_scale + 10 - bits + 2 * (int32_t)yarn_slip_bits(w);
   return (int32_t)fx_clamp64(fx_asr64(fx_mul_wide(w->woven.link_classes[class].r2, k->pull) * 5,
                                       (unsigned)fx_clamp(down, 0, 63)), 0, 1 << 28);
 }
@@ -157,10 +157,10 @@ static void press(fray_world *w, const grip_gains *k, uint32_t n, const yarn_tou
   c->grip = (uint32_t)(pressed + (pressing(warp, weft, turns) - pressed) / PRESSED_FILTER) << 2;
 }
 
-/* Q24 lu. */
+/* Q24 lu: a length for kappa, of elastic yarns for a fourth of it. */
 static int64_t held_by(const fray_world *w, int32_t weight, int64_t pressed, int slides) {
   const yarn_params *yarns = w->woven.yarn_constants;
-  const unsigned down = 16u + 2u * yarn_slip_bits(w);
+  const unsigned down = (world_has_elastic_yarns(w) ? 14u : 16u) + 2u * yarn_slip_bits(w);
   const int64_t grip = fx_mul_wide(yarns->crossing_friction, GRIP_OF_FRICTION) >> down;
   const int64_t rubbed = pressed * yarns->slip_friction >> 16;
   const int64_t sliding = fx_clamp64(grip * fx_max(weight, 1) / WEIGHT_ONE + rubbed, 0, 1 << 30);

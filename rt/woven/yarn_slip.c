@@ -4,6 +4,8 @@
  *
  *   g = x_warp(u) - x_weft(v) - offset;  k g on the weft, -k g on the warp, k = kappa (m / 2) / h^2
  *
+ * (kappa of elastic yarns: a fourth.)
+ *
  * A central force of equal and opposite parts, so momentum is exact and moments are kept to rounding.
  * Both ways: yarns do not lift off each other.
  *
@@ -184,9 +186,7 @@ static void find_impulse(fray_world *w, const slip_gains *k, uint32_t n) {
     crossing_set_left(w, c);
     return;
   }
-  const vec3 asked = vec_make(fx_mul_round(touch.gap.x, YARN_SLIP_KAPPA, YARN_SLIP_KAPPA_BITS),
-                              fx_mul_round(touch.gap.y, YARN_SLIP_KAPPA, YARN_SLIP_KAPPA_BITS),
-                              fx_mul_round(touch.gap.z, YARN_SLIP_KAPPA, YARN_SLIP_KAPPA_BITS));
+  const vec3 asked = vec_scale_q15(touch.gap, yarn_slip_kappa(w));
   const vec3 braking = world_has_elastic_yarns(w) ? asked : vec_scale_q15(asked, braking_part(w, &touch));
   vec_store(t->impulse, braking);
   vec_store(t->quiet, vec_sub(asked, braking));

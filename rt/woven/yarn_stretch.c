@@ -187,21 +187,19 @@ void yarn_stretch_run(fray_world *w) {
   const unsigned bits = (unsigned)w->woven.elastic_params->steps_bits;
   const vec3 g = w->gravity_step;
   int32_t *const *rounding = w->p.rounding; /* until the predicted positions are written, at the end */
-  const int32_t slip_every = 1 << (bits - yarn_slip_bits(w));
   uint32_t at_edge = 0;
   begin_axis(w, 0, w->p.vx, rounding[0], w->p.rx);
   begin_axis(w, 1, w->p.vy, rounding[1], w->p.ry);
   begin_axis(w, 2, w->p.vz, rounding[2], w->p.rz);
   for (int32_t step = 0; step < 1 << bits; ++step) {
     apply_forces(w, &s);
-    energy_elastic_step(w);
+    if (world_has_yarns(w)) yarn_slip_apply(w);
     (void)advance_axis(w->p.x, rounding[0], w->p.vx, 0, attached, 0, bits);
     (void)advance_axis(w->p.y, rounding[1], w->p.vy, 0, attached, 0, bits);
     (void)advance_axis(w->p.z, rounding[2], w->p.vz, 0, attached, 0, bits);
     at_edge |= advance_axis(w->p.x, rounding[0], w->p.vx, attached, end, gravity_part(g.x, step, bits), bits);
     at_edge |= advance_axis(w->p.y, rounding[1], w->p.vy, attached, end, gravity_part(g.y, step, bits), bits);
     at_edge |= advance_axis(w->p.z, rounding[2], w->p.vz, attached, end, gravity_part(g.z, step, bits), bits);
-    if (world_has_yarns(w) && (step + 1) % slip_every == 0) yarn_slip_apply(w);
   }
   end_axis(w, w->p.qx, w->p.rx, w->p.x);
   end_axis(w, w->p.qy, w->p.ry, w->p.y);

@@ -354,7 +354,7 @@ static void message_exists(int broken) { (void)dictionary_length((dictionary_mes
 static void hands_are_two(int broken) { (void)dictionary_pose(broken ? 2 : 1); }
 static void checked_bytes_have_a_checksum(int broken) { (void)e2e_check(f.data, broken ? 1 : 2, 1); }
 static void sent_faults_are_known(int broken) {
-  const codec_status now = {FRAY_SAFE, 0, broken ? 1u << 12 : 0, 0, 0};
+  const codec_status now = {FRAY_SAFE, 0, broken ? 1u << 15 : 0, 0, 0};
   codec_encode_status(&f, 0, &now);
 }
 static void pose_counter_has_four_bits(int broken) {

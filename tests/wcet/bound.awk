@@ -99,10 +99,10 @@ function rounds(what) {
   exit 2
 }
 function least(a, b) { return a < b ? a : b }
-# contacts of elastic yarns act in each second elastic step; they are a stage of their own there, too
+# contacts of elastic yarns act in each elastic step; they are a stage of their own there, too
 function is_inner(stage, loop) { return stage == "yarn_stretch_run" && (loop == "slips" || loop == "spares") }
 function times(stage) {
-  if (stage == "yarn_slip_apply" && stretches != 0 && inner_steps > 1) return substeps * inner_steps / 2
+  if (stage == "yarn_slip_apply" && stretches != 0) return substeps * inner_steps
   return per[stage] == "substep" ? substeps : 1
 }
 
