@@ -170,6 +170,13 @@ static int32_t braking_part(const fray_world *w, const yarn_touch *touch) {
   return (int32_t)fx_divide_wide((uint64_t)(parting >> down) << 15, (uint32_t)(stops >> down));
 }
 
+static int slide(fray_world *w, const slip_gains *k, uint32_t n, uint32_t axis, yarn_touch *touch) {
+  const vec3 before = touch->gap;
+  if (!slide_along(w, k, n, axis, touch)) return 0;
+  if (world_has_elastic_yarns(w)) energy_slide(w, vec_sub(touch->gap, before));
+  return 1;
+}
+
 static void find_impulse(fray_world *w, const slip_gains *k, uint32_t n) {
   yarn_contact_step *t = &w->woven.contact_steps[n];
   const uint32_t c = yarn_contact_crossing(w, n);
@@ -177,11 +184,8 @@ static void find_impulse(fray_world *w, const slip_gains *k, uint32_t n) {
   t->next[FRAY_WEFT] = w->woven.contacts[n].place[FRAY_WEFT];
   t->next[FRAY_WARP] = w->woven.contacts[n].place[FRAY_WARP];
   int stays = touch_at(w, n, t->next, &touch);
-  for (uint32_t turn = 0; stays && turn < 2 && crossing_state_at(w, c) == FRAY_LOOSE; ++turn) {
-    const vec3 before = touch.gap;
-    stays = slide_along(w, k, n, turn == 0 ? FRAY_WARP : FRAY_WEFT, &touch);
-    if (stays && world_has_elastic_yarns(w)) energy_slide(w, vec_sub(touch.gap, before));
-  }
+  if (stays && crossing_state_at(w, c) == FRAY_LOOSE)
+    stays = slide(w, k, n, FRAY_WARP, &touch) && slide(w, k, n, FRAY_WEFT, &touch);
   if (!stays) {
     crossing_set_left(w, c);
     return;
