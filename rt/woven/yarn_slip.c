@@ -275,11 +275,11 @@ void yarn_slip_apply(fray_world *w) {
   FRAY_ASSERT(world_has_yarns(w));
   const uint32_t contacts = (uint32_t)w->woven.yarn_counts->split;
   const slip_gains k = {{inverse_of(w, CLASS_WEFT), inverse_of(w, CLASS_WARP)}};
-  for (uint32_t n = 0; n < contacts; ++n)
-    if (yarn_contact_acts(w, n)) find_impulse(w, &k, n);
+  for (uint32_t found = 0; found < contacts; ++found)
+    if (yarn_contact_acts(w, found)) find_impulse(w, &k, found);
   if (world_has_elastic_yarns(w)) energy_slides_found(w);
-  for (uint32_t n = 0; n < contacts; ++n)
-    if (yarn_contact_acts(w, n)) apply_slide(w, n);
+  for (uint32_t slid = 0; slid < contacts; ++slid)
+    if (yarn_contact_acts(w, slid)) apply_slide(w, slid);
   if (world_has_elastic_yarns(w)) energy_slides_made(w);
   for (uint32_t n = 0; n < contacts; ++n)
     if (yarn_contact_acts(w, n)) apply_impulse(w, n);
