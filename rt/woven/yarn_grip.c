@@ -53,16 +53,16 @@ static int32_t elastic_of(const fray_world *w, uint32_t class) {
                                       (unsigned)fx_clamp(down, 0, 63)), 0, 1 << 28);
 }
 
-static grip_gains gains_of(const fray_world *w) {
-  grip_gains k = {woven_links(w, w->woven.link_classes), {0, 0}, {0, 0}, {0, 0}};
+static void find_gains(const fray_world *w, grip_gains *k) {
+  k->links = woven_links(w, w->woven.link_classes);
   for (uint32_t axis = 0; axis < 2; ++axis) {
     const uint32_t class = CLASS_WEFT + axis;
-    k.elastic[axis] = elastic_of(w, class);
-    k.inverse[axis] = (int32_t)fx_divide_wide((uint64_t)1 << 40, (uint32_t)w->woven.link_classes[class].rest);
-    k.thickness[axis] =
-        (int32_t)fx_clamp64(fx_mul_wide(w->params->thickness, k.inverse[axis]) >> 20, 0, TURNS_MAX);
+    k->elastic[axis] = elastic_of(w, class);
+    const uint32_t rest = (uint32_t)w->woven.link_classes[class].rest;
+    k->inverse[axis] = (int32_t)fx_divide_wide((uint64_t)1 << 40, rest);
+    k->thickness[axis] =
+        (int32_t)fx_clamp64(fx_mul_wide(w->params->thickness, k->inverse[axis]) >> 20, 0, TURNS_MAX);
   }
-  return k;
 }
 
 /* Of the link from k to k + 1, not negative. */
@@ -206,7 +206,8 @@ static void update_contact(fray_world *w, const grip_gains *k, uint32_t n) {
 
 void yarn_grip_update(fray_world *w) {
   FRAY_ASSERT(world_has_yarns(w));
-  const grip_gains k = gains_of(w);
+  grip_gains k;
+  find_gains(w, &k);
   for (uint32_t n = 0; n < (uint32_t)w->woven.yarn_counts->split; ++n)
     if (yarn_contact_acts(w, n)) update_contact(w, &k, n);
 }
@@ -244,7 +245,8 @@ static yarn_load load_at(const fray_world *w, const grip_gains *k, uint32_t cros
 
 int yarn_grip_holds(const fray_world *w, uint32_t crossing) {
   FRAY_ASSERT(crossing_state_at(w, crossing) == FRAY_WHOLE);
-  const grip_gains k = gains_of(w);
+  grip_gains k;
+  find_gains(w, &k);
   const uint32_t warps = (uint32_t)w->params->warps;
   const uint32_t place[2] = {yarn_place_of(crossing % warps), yarn_place_of(crossing / warps)};
   const yarn_load load[2] = {load_at(w, &k, crossing, FRAY_WEFT), load_at(w, &k, crossing, FRAY_WARP)};
