@@ -136,6 +136,9 @@ static fray_status check_options(const uint8_t *image, fray_error *error) {
   if (!FRAY_TRIANGLES && (header_capacity(image, POOL_TRIANGLES) | header_capacity(image, POOL_BLADES)) != 0)
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_CAPACITY_WORD + POOL_TRIANGLES,
                         "a build with membranes (FRAY_TRIANGLES)");
+  if (!FRAY_YARNS && header_capacity(image, POOL_SPLITS) != 0)
+    return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_CAPACITY_WORD + POOL_SPLITS,
+                        "a build with yarns (FRAY_YARNS)");
   if (!FRAY_YARN_COLLISION && header_capacity(image, POOL_YARN_PAIRS) != 0)
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_CAPACITY_WORD + POOL_YARN_PAIRS,
                         "a build with self-collision of yarns (FRAY_YARN_COLLISION)");

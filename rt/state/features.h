@@ -9,6 +9,9 @@
 #ifndef FRAY_TRIANGLES
 #define FRAY_TRIANGLES 1 /* the membrane */
 #endif
+#ifndef FRAY_YARNS
+#define FRAY_YARNS 1 /* woven cloth whose crossings split into yarns */
+#endif
 #ifndef FRAY_MESHES
 #define FRAY_MESHES FRAY_TRIANGLES /* rigid meshes, and contacts of the membrane's triangles */
 #endif

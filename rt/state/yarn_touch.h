@@ -8,9 +8,11 @@
 #include "rt/state/yarn_curve.h"
 
 enum { YARN_GAP_MAX = FX_LU / 4 }; /* each component, Q24 lu */
-/* A contact gives way by kappa / 2 of the gap in a substep, for yarns of half a crossing's mass each: its
- * stiffness is kappa (m / 2) / h^2. Measured: energy falls for kappa up to 0.6. */
+
+/* The stiffness of a contact is kappa (m / 2) / h^2, of yarns of half a crossing's mass m each. Measured:
+ * energy falls for kappa up to 0.6. */
 enum { YARN_SLIP_KAPPA = 13107, YARN_SLIP_KAPPA_BITS = 15 }; /* 0.4 */
+
 /* Contacts act 2^bits times a substep: of elastic yarns in each elastic step, of others behind the
  * projections. h is the time between. */
 static inline unsigned yarn_slip_bits(const fray_world *w) {

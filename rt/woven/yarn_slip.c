@@ -4,8 +4,6 @@
  *
  *   g = x_warp(u) - x_weft(v) - offset;  k g on the weft, -k g on the warp, k = kappa (m / 2) / h^2
  *
- * (kappa of elastic yarns: a fourth.)
- *
  * A central force of equal and opposite parts, so momentum is exact and moments are kept to rounding.
  * Both ways: yarns do not lift off each other.
  *
