@@ -268,11 +268,9 @@ static int contact_is_near(const fray_world *w, const yarn_segment *weft, const 
   const uint32_t c = weft->crossing[0] / warps * warps + warp->crossing[0] % warps;
   if (crossing_state_at(w, c) == FRAY_WHOLE || crossing_state_at(w, c) == FRAY_DISCONNECTED) return 0;
   const yarn_contact *k = &w->woven.contacts[crossing_contact(w, c)];
-  const uint32_t from[2] = {weft->crossing[0] % warps, warp->crossing[0] / warps};
-  for (uint32_t axis = 0; axis < 2; ++axis) {
-    const uint32_t place = k->place[axis] + (uint32_t)YARN_PLACE_HALF; /* so that no difference is below 0 */
-    if (place - (from[axis] << YARN_PLACE_BITS) > 3u * (uint32_t)YARN_PLACE_ONE) return 0;
-  }
+  const uint32_t end[2] = {weft->crossing[0] % warps + 1u, warp->crossing[0] / warps + 1u};
+  for (uint32_t axis = 0; axis < 2; ++axis)
+    if (yarn_places_apart(k->place[axis], end[axis] << YARN_PLACE_BITS) > 3u * (uint32_t)YARN_PLACE_HALF) return 0;
   return 1;
 }
 

@@ -26,6 +26,11 @@ static inline uint32_t yarn_place_of(uint32_t k) {
 static inline int32_t yarn_place_past(uint32_t place) {
   return (int32_t)(place & ((uint32_t)YARN_PLACE_ONE - 1u)) - YARN_PLACE_HALF;
 }
+static inline uint32_t yarn_place_moved(uint32_t place, int32_t by) {
+  return by < 0 ? place - (uint32_t)-by : place + (uint32_t)by;
+}
+/* Both on one yarn. */
+static inline uint32_t yarn_places_apart(uint32_t a, uint32_t b) { return a < b ? b - a : a - b; }
 
 enum { YARN_OFFSET_MAX = 1 << 22, YARN_PRESSED_MAX = 1 << 24 };
 

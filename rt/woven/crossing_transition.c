@@ -89,7 +89,7 @@ static void release_slid(fray_world *w, uint32_t c) {
   const uint32_t warps = (uint32_t)w->params->warps;
   const uint32_t home[2] = {yarn_place_of(c % warps), yarn_place_of(c / warps)};
   for (uint32_t axis = 0; axis < 2; ++axis)
-    if (k->place[axis] - home[axis] + (uint32_t)YARN_SLIP_NEAR > 2u * (uint32_t)YARN_SLIP_NEAR)
+    if (yarn_places_apart(k->place[axis], home[axis]) > (uint32_t)YARN_SLIP_NEAR)
       crossing_release_diagonals(w, c);
 }
 

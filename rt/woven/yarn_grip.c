@@ -134,7 +134,7 @@ static index_t add_side(const fray_world *w, const grip_gains *k, uint32_t c, ui
   }
   const uint32_t there = place_of(w, next, axis, &neighbour);
   if (crossing_warp_over(w, next) == crossing_warp_over(w, c)) return neighbour;
-  const uint32_t apart = place < there ? there - place : place - there;
+  const uint32_t apart = yarn_places_apart(place, there);
   const uint32_t distance = apart < (uint32_t)YARN_SLIP_NEAR ? (uint32_t)YARN_SLIP_NEAR : apart;
   const uint64_t thickness = (uint32_t)k->thickness[axis];
   sides->weight += WEIGHT_SIDE;

@@ -112,7 +112,7 @@ static int slide_along(const fray_world *w, const slip_gains *k, uint32_t n, uin
   const int32_t past = yarn_place_past(t->next[axis]) + by;
   if (past < -YARN_PLACE_BEYOND && (spot->goes & YARN_GOES_BACK) == 0) return 0;
   if (past > YARN_PLACE_BEYOND && (spot->goes & YARN_GOES_ON) == 0) return 0;
-  t->next[axis] += (uint32_t)by;
+  t->next[axis] = yarn_place_moved(t->next[axis], by);
   if (!spot_at(w, n, axis, t->next[axis], touch)) return 0;
   touch->gap = yarn_touch_gap(touch, &w->woven.contacts[n]);
   return 1;
