@@ -154,8 +154,8 @@ void collider_place(fray_world *w, const collider *t, uint32_t p, vec3 relative)
 
 /* A vertex of a membrane goes on as the body does: its velocity is not that of its path. */
 static void stop_vertex(fray_world *w, const collider *t, uint32_t p, vec3 was) {
-  const vec3 goes = vec_clamp_rare(vec_of(w->rigid.states[t->body].velocity), FX_SPEED_MAX);
-  const vec3 change = vec_sub(goes, world_velocity(w, p));
+  const vec3 goes = world_body_velocity(w, t->body);
+  const vec3 change = vec_sub_saturated(goes, world_velocity(w, p));
   world_set_velocity(w, p, goes);
   world_shift_predicted(w, p, vec_sub(world_position(w, p), was));
   body_add_impulse(&w->rigid.motion[t->body], vertex_mass_impulse(mass_q16(w, p), change, 0));

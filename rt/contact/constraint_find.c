@@ -125,11 +125,8 @@ static void move_axis(int32_t *x, const int32_t *v, uint32_t first, uint32_t end
 
 /* To where everything would be at the end of the substep. */
 static void move_ahead(fray_world *w) {
-  for (uint32_t p = 0; p < particles_attached(w); ++p) {
-    const vec3 v =
-        vec_clamp_rare(vec_of(w->rigid.states[w->p.attach_body[p]].velocity), FX_SPEED_MAX);
-    world_set_velocity(w, p, v);
-  }
+  for (uint32_t p = 0; p < particles_attached(w); ++p)
+    world_set_velocity(w, p, world_body_velocity(w, w->p.attach_body[p]));
   move_axis(w->p.x, w->p.vx, 0, w->p.count);
   move_axis(w->p.y, w->p.vy, 0, w->p.count);
   move_axis(w->p.z, w->p.vz, 0, w->p.count);
@@ -149,8 +146,8 @@ static void find_meshes(fray_world *w) {
   for (uint32_t n = 0; n < collider_count(w); ++n) {
     collider t = collider_at(w, n);
     if (w->rigid.bodies[t.body].motion == FRAY_FREE)
-      t.now = vec_add_clamped(
-          t.start, vec_round(vec_of(w->rigid.states[t.body].velocity), FX_SUB_BITS), FX_WORLD_MAX);
+      t.now = vec_add_clamped(t.start, vec_round(world_body_velocity(w, t.body), FX_SUB_BITS),
+                              FX_WORLD_MAX);
     find_collider(w, &t, room_of(w));
   }
   move_back(w);
@@ -158,8 +155,8 @@ static void find_meshes(fray_world *w) {
 
 /* ---- the edge of the world ---- */
 
-/* Vertices are stopped LU / 16 before the edge, and looked after from half a lu on: one at rest may be
- * driven there by what still comes. */
+/* Vertices are stopped LU / 16 before the edge, and looked after from half a lu on: one at rest may
+ * be driven there by what still comes. */
 static void find_edge(fray_world *w, uint32_t p, uint32_t axis, int32_t at, int32_t speed) {
   const int64_t end = (int64_t)at + fx_asr(speed, FX_SUB_BITS - 1);
   const int64_t edge = FX_WORLD_MAX - FX_LU / 2;

@@ -97,9 +97,9 @@ static int bend_good(const fray_world *w, uint32_t t) {
   for (uint32_t k = 0; k < 3; ++k) {
     const uint32_t other = s->triangle[t].neighbour[k];
     if (b->offset[k] < -BEND_OFFSET_MAX || b->offset[k] > BEND_OFFSET_MAX) return 0;
-    if (b->offset[k] !=
-        (other == t ? 0 : -w->membrane.bend_states[other].offset[trimesh_neighbour_edge(s, t, k)]))
-      return 0;
+    const int32_t across =
+        other == t ? 0 : w->membrane.bend_states[other].offset[trimesh_neighbour_edge(s, t, k)];
+    if ((int64_t)b->offset[k] + across != 0) return 0;
   }
   return 1;
 }

@@ -39,7 +39,7 @@ void self_constraint_add(fray_world *w, const uint32_t p[4], const int32_t weigh
 }
 
 static vec3 velocity_of(const fray_world *w, uint32_t p) {
-  return particle_is_attached(w, p) ? vec_of(w->rigid.states[w->p.attach_body[p]].velocity)
+  return particle_is_attached(w, p) ? world_body_velocity(w, w->p.attach_body[p])
                                     : world_velocity(w, p);
 }
 

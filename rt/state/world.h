@@ -271,6 +271,10 @@ static inline vec3 world_position(const fray_world *w, uint32_t p) {
 static inline vec3 world_velocity(const fray_world *w, uint32_t p) {
   return vec_make(w->p.vx[p], w->p.vy[p], w->p.vz[p]);
 }
+/* No faster than a particle may be. */
+static inline vec3 world_body_velocity(const fray_world *w, uint32_t b) {
+  return vec_clamp_rare(vec_of(w->rigid.states[b].velocity), FX_SPEED_MAX);
+}
 /* So that a move of the position, by as much, does not change the velocity. */
 static inline void world_shift_predicted(fray_world *w, uint32_t p, vec3 by) {
   w->p.qx[p] = fx_wrap_add(w->p.qx[p], by.x);
