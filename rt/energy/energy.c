@@ -111,7 +111,7 @@ void energy_close_bodies(fray_world *w) {
 
 void energy_close_moves(fray_world *w) {
   w->energy.displaced = 1;
-  w->energy.passed += 1;
+  if (!world_has_elastic_yarns(w)) w->energy.passed += 1;
   book(w, FRAY_ENERGY_STEPS, 1);
 }
 
@@ -141,7 +141,7 @@ void energy_open_tick(fray_world *w) {
   energy_ledger *l = &w->energy;
   bytes_zero(l->seen, sizeof l->seen);
   bytes_zero(l->stage, sizeof l->stage);
-  l->passed = w->params->substeps;
+  l->passed = world_has_membrane(w) ? 0 : energy_spring_moves(w);
   if (!world_has_membrane(w)) (void)has_begun(w);
 }
 

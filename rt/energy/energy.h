@@ -50,16 +50,24 @@ static inline void energy_bodies(fray_world *w) { ENERGY_HOOK(energy_close_bodie
 static inline void energy_moves(fray_world *w) { ENERGY_HOOK(energy_close_moves(w)); }
 /* Velocities have followed. */
 static inline void energy_velocities(fray_world *w) { ENERGY_HOOK(energy_close_velocities(w)); }
-/* Springs that act once a tick have acted. */
+/* All particles of elastic yarns have moved by an elastic step. */
+static inline void energy_elastic_step(fray_world *w) {
+  (void)w;
+#if FRAY_ENERGY
+  w->energy.passed += 1;
+#endif
+}
+/* Bend and shear springs have acted. */
 static inline void energy_springs(fray_world *w) {
 #if FRAY_ENERGY
   w->energy.passed = 0;
 #endif
   energy_stage(w, FRAY_ENERGY_STEPS);
 }
-/* The gap of a contact of elastic yarns is about to change by a slide. What that takes from the contact is
- * the work of friction, but for k by^2 / 2: so much the step before has stored too much, as the contact's
- * force was that behind the slide all along. */
+/* The gap of a contact of elastic yarns is about to change from g - by to g, by the slides of both its yarns.
+ * The work of friction is k g.by, the force behind the slides times the way; the contact loses k by^2 / 2
+ * more: so much the step before has stored too much, as the force was k g all along. Of both slides at once:
+ * yarns of sheared cloth are not square, and the squares of two slides are not that of their sum. */
 static inline void energy_slide(fray_world *w, vec3 by) {
   (void)by;
   ENERGY_HOOK(energy_add_slide(w, by));

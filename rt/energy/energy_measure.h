@@ -29,6 +29,15 @@ static inline vec3 energy_velocity(const fray_world *w, uint32_t p) {
   return vec_clamp64(sum, MOST);
 }
 
+/* Bend and shear springs of woven cloth act once in so many substeps (rt/tick/tick_woven.c), and so many
+ * moves of particles. */
+static inline int32_t energy_spring_substeps(const fray_world *w) {
+  return world_has_elastic_yarns(w) ? 1 : w->params->substeps;
+}
+static inline int32_t energy_spring_moves(const fray_world *w) {
+  return world_has_elastic_yarns(w) ? 1 << w->woven.elastic_params->steps_bits : w->params->substeps;
+}
+
 /* Mass of a particle, Q20 of particle_mass_ng, at most 1,024 of it. */
 enum { ENERGY_MASS_BITS = 20 };
 int64_t energy_mass(const fray_world *w, uint32_t p);

@@ -4,10 +4,10 @@
  * lengths where the stage holds the factor 1 - r/l to a bound, the energy goes on with that factor.
  * Yarns without a stiffness are projected and store nothing. Contacts of elastic yarns are springs as well.
  *
- * Springs that act once a tick give the impulse k (1 - r/l) d in a tick of S substeps: their energy
- * is that over S. Their part of form is v.J / 2 before they act, so that the sum does not change
- * when they do,
- * - v.J / 2 after that, and in proportion between. That of yarns is v.J / 2 of an elastic step. */
+ * Bend and shear springs give the impulse k (1 - r/l) d of S substeps at once: their energy is that over S,
+ * and their part of form v.J / 2, as before they act, at the places where v leads until they act again. So
+ * nothing changes when they act, nor while v stays, and what a stage changes in v is that stage's. That of
+ * yarns is v.J / 2 of an elastic step. */
 #include "rt/energy/energy_measure.h"
 #include "rt/state/crossing.h"
 #include "rt/state/yarn_touch.h"
@@ -57,6 +57,21 @@ static spring_state state_of(const spring_law *law, int64_t length) {
   return s;
 }
 
+/* Where its velocity leads in so many moves. */
+static vec3 position_ahead(const fray_world *w, uint32_t p, int32_t moves) {
+  const unsigned bits = world_has_elastic_yarns(w) ? (unsigned)w->woven.elastic_params->steps_bits : 0;
+  const vec3 at = world_position(w, p);
+  if (moves == 0) return at;
+  const vec3 v = particle_is_attached(w, p) ? vec_of(w->rigid.states[w->p.attach_body[p]].velocity)
+                                            : energy_velocity(w, p);
+  const vec3 way = vec_round_saturated(vec_scale64(v, moves), FX_SUB_BITS + bits);
+  return vec_add_clamped(at, way, 2 * FX_WORLD_MAX);
+}
+
+static vec3 apart_ahead(const fray_world *w, uint32_t i, uint32_t j, int32_t moves) {
+  return vec_sub_clamped(position_ahead(w, j, moves), position_ahead(w, i, moves), 1 << 29);
+}
+
 static vec64 velocity_of(const fray_world *w, uint32_t p) {
   if (particle_is_attached(w, p)) {
     const vec64 nothing = {0, 0, 0}; /* a body's comes by pull */
@@ -68,9 +83,8 @@ static vec64 velocity_of(const fray_world *w, uint32_t p) {
 }
 
 /* End i of d gets the impulse k (1 - r/l) d, end j the opposite. */
-static void add_spring(const fray_world *w, const spring_law *law, uint32_t i, uint32_t j,
+static void add_spring(const fray_world *w, const spring_law *law, uint32_t i, uint32_t j, vec3 d,
                        spring_sums *sums, energy_stored *e) {
-  const vec3 d = vec_sub(world_position(w, j), world_position(w, i));
   const spring_state s = state_of(law, length_of(d));
   const vec64 a = velocity_of(w, i);
   const vec64 b = velocity_of(w, j);
@@ -95,9 +109,10 @@ static int is_inactive(const fray_world *w, uint32_t spring) {
           particle_is_attached(w, w->woven.spring_j[spring]));
 }
 
-static void add_tick_springs(const fray_world *w, uint32_t first, uint32_t end, spring_sums *sums,
-                             energy_stored *e) {
+static void add_bend_shear(const fray_world *w, uint32_t first, uint32_t end, spring_sums *sums,
+                           energy_stored *e) {
   enum { LEAST = 11585, MOST = 92682 }; /* 1 / sqrt(32) and sqrt(2): bend_shear.c's bounds of t */
+  const int32_t ahead = energy_spring_moves(w) - w->energy.passed;
   FRAY_ASSERT(first <= end && end <= w->capacity[POOL_SPRINGS]);
   for (uint32_t n = first; n < end; ++n) {
     if (is_inactive(w, n)) continue;
@@ -106,32 +121,25 @@ static void add_tick_springs(const fray_world *w, uint32_t first, uint32_t end, 
     const uint32_t i = w->woven.spring_i[n];
     const uint32_t j = w->woven.spring_j[n];
     const spring_law law = {c->mantissa, (unsigned)c->shift, c->rest, LEAST, MOST};
-    if (c->compression_only != 0 &&
-        vec_squared(vec_sub(world_position(w, j), world_position(w, i))) >= fx_square(c->rest))
-      continue;
-    add_spring(w, &law, i, j, sums, e);
+    const vec3 d = apart_ahead(w, i, j, ahead);
+    if (c->compression_only == 0 || vec_squared(d) < fx_square(c->rest))
+      add_spring(w, &law, i, j, d, sums, e);
   }
 }
 
-/* v.J times (2 passed - S) / 2 S, and of pull as much. */
-static wide_number in_proportion(const fray_world *w, wide_number v) {
-  const int64_t substeps = w->params->substeps;
-  return wide_over(wide_times(v, 2 * w->energy.passed - substeps, 1), (uint32_t)substeps);
-}
-
-static void measure_tick_springs(const fray_world *w, energy_stored *e) {
+static void measure_bend_shear(const fray_world *w, energy_stored *e) {
   const uint32_t links = (uint32_t)w->params->links;
   const uint32_t bends = (uint32_t)w->params->bends;
   const wide_number nothing = {0, 0};
   spring_sums bend = {nothing, nothing};
   spring_sums shear = {nothing, nothing};
-  add_tick_springs(w, links, links + bends, &bend, e);
-  add_tick_springs(w, links + bends, w->capacity[POOL_SPRINGS], &shear, e);
-  e->bend = wide_over(bend.energy, (uint32_t)w->params->substeps);
-  e->shear = wide_over(shear.energy, (uint32_t)w->params->substeps);
-  e->form = in_proportion(w, wide_add(bend.power, shear.power));
+  add_bend_shear(w, links, links + bends, &bend, e);
+  add_bend_shear(w, links + bends, w->capacity[POOL_SPRINGS], &shear, e);
+  e->bend = wide_over(bend.energy, (uint32_t)energy_spring_substeps(w));
+  e->shear = wide_over(shear.energy, (uint32_t)energy_spring_substeps(w));
+  e->form = wide_shift_down(wide_add(bend.power, shear.power), 1);
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
-    for (uint32_t n = 0; n < 3; ++n) e->pull[b][n] = in_proportion(w, e->pull[b][n]);
+    for (uint32_t n = 0; n < 3; ++n) e->pull[b][n] = wide_shift_down(e->pull[b][n], 1);
 }
 
 static void measure_yarns(const fray_world *w, energy_stored *e) {
@@ -149,12 +157,12 @@ static void measure_yarns(const fray_world *w, energy_stored *e) {
     const yarn_gain *k = &w->woven.yarn_gains[class];
     const uint32_t i = w->woven.spring_i[n];
     const uint32_t j = w->woven.spring_j[n];
-    const int longer =
-        vec_squared(vec_sub(world_position(w, j), world_position(w, i))) >= fx_square(c->rest);
+    const vec3 d = apart_ahead(w, i, j, 0);
+    const int longer = vec_squared(d) >= fx_square(c->rest);
     const spring_law law = {(int64_t)(longer ? k->pull : k->push) * c->r2,
                             (unsigned)(longer ? k->pull_scale : k->push_scale) + 28u, c->rest,
                             LEAST, MOST};
-    add_spring(w, &law, i, j, &sums, &held);
+    add_spring(w, &law, i, j, d, &sums, &held);
   }
   e->yarns = wide_shift_up(sums.energy, steps_bits);
   e->form = wide_add(e->form, wide_shift_down(sums.power, 1));
@@ -182,12 +190,12 @@ static void measure_contacts(const fray_world *w, energy_stored *e) {
 
 void energy_measure_woven(const fray_world *w, energy_stored *e) {
   FRAY_ASSERT(!world_has_membrane(w) && w->energy.passed >= 0 &&
-              w->energy.passed <= w->params->substeps);
+              w->energy.passed <= energy_spring_moves(w));
   const wide_number nothing = {0, 0};
   e->stretch = e->yarns = nothing;
   for (uint32_t b = 0; b < MAX_BODIES; ++b)
     for (uint32_t n = 0; n < 3; ++n) e->pull[b][n] = nothing;
-  measure_tick_springs(w, e);
+  measure_bend_shear(w, e);
   if (world_has_elastic_yarns(w)) measure_yarns(w, e);
   if (world_has_elastic_yarns(w) && world_has_yarns(w)) measure_contacts(w, e);
 }

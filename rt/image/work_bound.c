@@ -123,6 +123,7 @@ static void add_woven(const fray_world *w, fray_work *most) {
   if (world_has_elastic_yarns(w)) {
     most->yarn_forces = (links * substeps) << (uint32_t)w->woven.elastic_params->steps_bits;
     most->slips <<= (uint32_t)w->woven.elastic_params->steps_bits;
+    most->springs *= substeps;
     if (w->woven.elastic_params->damping_ns != 0) most->yarn_forces *= 2u;
   }
   if (p->tearing == 0) return;

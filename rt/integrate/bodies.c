@@ -37,10 +37,8 @@ static void fly_body(fray_world *w, uint32_t b) {
     int8_t remainder = (int8_t)s->remainder[n];
     int32_t unused;
     const int32_t before = s->position[n];
-    if (loop_advance(&s->position[n], &unused, &s->velocity[n], &remainder, 0, 1, gravity[n]) != 0) {
-      s->velocity[n] = 0;
+    if (loop_advance(&s->position[n], &unused, &s->velocity[n], &remainder, 0, 1, gravity[n]) != 0)
       world_fault(w, FRAY_FAULT_OUT_OF_WORLD);
-    }
     s->remainder[n] = remainder;
     moved[n] = s->position[n] - before;
   }

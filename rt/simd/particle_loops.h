@@ -13,7 +13,8 @@ enum {
 
 /* x: position, q: the predicted one, Q24 lu; v: Q28 lu per substep. The step in Q28 is rounded to
  * Q24 and the rounding remainder r is added to the next step, so slow motion neither sticks nor
- * drifts. Returns 0 iff no particle was held back at the edge of the world. */
+ * drifts. The edge of the world stops what would leave it: a speed that went on growing there would be
+ * energy from nothing. Returns 0 iff no particle was held back at the edge. */
 static inline uint32_t loop_advance(int32_t *restrict x, int32_t *restrict q, int32_t *restrict v,
                                     int8_t *restrict r, uint32_t first, uint32_t end, int32_t gravity) {
   FRAY_ASSERT(first <= end);
@@ -25,7 +26,7 @@ static inline uint32_t loop_advance(int32_t *restrict x, int32_t *restrict q, in
     const int32_t moved = fx_add(x[p], whole);
     const int32_t place = fx_clamp_rare(moved, -FX_WORLD_MAX, FX_WORLD_MAX);
     at_edge |= (uint32_t)(moved ^ place);
-    v[p] = speed;
+    v[p] = moved == place ? speed : 0;
     r[p] = (int8_t)(step - whole * (1 << FX_SUB_BITS));
     x[p] = place;
     q[p] = place;

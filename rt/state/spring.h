@@ -63,9 +63,9 @@ static inline link_class link_class_of_lock(int32_t rest) {
   return c;
 }
 
-/* A class of bend or shear springs: dv = gain * elongation, along the spring, for one tick, in
- * (lu per substep) per lu; gain = mantissa * 2^-shift, below 1/2. Directions are in units of 2^down
- * position steps, of which the rest length R is BEND_SHEAR_UNITS_MIN..MAX. */
+/* A class of bend or shear springs: dv = gain * elongation, along the spring, for one tick, of elastic yarns
+ * one substep, in (lu per substep) per lu; gain = mantissa * 2^-shift, below 1/2. Directions are in units of
+ * 2^down position steps, of which the rest length R is BEND_SHEAR_UNITS_MIN..MAX. */
 enum { BEND_SHEAR_UNITS_MIN = 4096, BEND_SHEAR_UNITS_MAX = 8191 };
 enum { BEND_SHEAR_REST_MIN = 1 << 13, BEND_SHEAR_REST_MAX = 1 << 22 };
 typedef struct {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A tick of woven cloth: the loop of Metaaphanon 2009, section 4 (its step numbers at the right), with
- * substeps around gravity, 4 to 6 and 8. Bend, shear and damping act once a tick, before them. */
+ * substeps around gravity, 4 to 6 and 8. Bend, shear and damping act once a tick, before them;
+ * beside elastic yarns bend and shear in each substep. */
 #include "rt/contact/contact.h"
 #include "rt/energy/energy.h"
 #include "rt/integrate/integrate.h"
@@ -29,8 +30,10 @@ void tick_woven(fray_world *w) {
   FRAY_ASSERT(!world_has_membrane(w));
   damp_apply(w);       /* 3 */
   energy_stage(w, FRAY_ENERGY_DRAG);
-  bend_shear_apply(w); /* 1, 2: structural springs are projected instead */
-  energy_springs(w);
+  if (!world_has_elastic_yarns(w)) {
+    bend_shear_apply(w); /* 1, 2: structural springs are projected instead */
+    energy_springs(w);
+  }
   if (world_has_yarns(w)) yarn_grip_update(w);
   energy_stage(w, FRAY_ENERGY_TEARS); /* offsets of contacts that tears began fade */
   contact_gather(w);
@@ -39,10 +42,13 @@ void tick_woven(fray_world *w) {
     if (world_has_rigid_meshes(w)) contact_vertices_begin(w);
     bodies_advance(w, substep);
     energy_bodies(w);
-    if (world_has_elastic_yarns(w))
+    if (world_has_elastic_yarns(w)) {
+      bend_shear_apply(w);
+      energy_springs(w);
       yarn_stretch_run(w);
-    else
+    } else {
       particles_advance(w);      /* 1, 2, 4 */
+    }
     particles_carry(w);
     energy_moves(w);
     strain_limit_apply(w);       /* 5 */

@@ -13,7 +13,8 @@
 
 /* Relative damping and drag (step 3). Cost: linear in the particles. */
 void damp_apply(fray_world *w);
-/* Bend and shear springs, explicit (section 3.2). Cost: linear in the springs that are not links. */
+/* Bend and shear springs, explicit (section 3.2); of elastic yarns once a substep, else waves of those would
+ * grow. Cost: linear in the springs that are not links. */
 void bend_shear_apply(fray_world *w);
 /* Finds the neighbours of the contacts of yarns, and what friction holds of each. Needs yarns. Cost: linear
  * in the split crossings; neighbours are looked for over disconnected crossings, each of which is passed

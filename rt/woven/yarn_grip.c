@@ -185,6 +185,13 @@ static int32_t faded(int32_t offset) {
   return offset - (offset < 0 ? offset - (FADE - 1) : offset + (FADE - 1)) / FADE;
 }
 
+/* Of elastic yarns only where it does not draw on the gap, which would store energy. */
+static void fade(const fray_world *w, yarn_contact *c, yarn_touch *touch) {
+  if (world_has_elastic_yarns(w) && vec_dot64(touch->gap, vec_of(c->offset)) > 0) return;
+  for (uint32_t axis = 0; axis < 3; ++axis) c->offset[axis] = faded(c->offset[axis]);
+  touch->gap = yarn_touch_gap(touch, c);
+}
+
 static void update_contact(fray_world *w, const grip_gains *k, uint32_t n) {
   yarn_contact *c = &w->woven.contacts[n];
   yarn_contact_step *t = &w->woven.contact_steps[n];
@@ -197,8 +204,8 @@ static void update_contact(fray_world *w, const grip_gains *k, uint32_t n) {
   t->number[FRAY_WARP] = (index_t)(crossing % warps);
   for (uint32_t direction = 0; direction < 4; ++direction)
     t->neighbour[direction] = add_side(w, k, crossing, direction, c->place[direction / 2u], &sides);
-  for (uint32_t axis = 0; axis < 3; ++axis) c->offset[axis] = faded(c->offset[axis]);
   if (!yarn_touch_at(w, n, &touch)) return;
+  fade(w, c, &touch);
   press(w, k, n, &touch, sides.turns);
   for (uint32_t axis = 0; axis < 2; ++axis)
     t->limit[axis] = limit_of(w, k, n, axis, &touch, sides.weight, (slid >> axis & 1u) != 0);

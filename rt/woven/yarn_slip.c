@@ -168,9 +168,10 @@ static int32_t braking_part(const fray_world *w, const yarn_touch *touch) {
   return (int32_t)fx_divide_wide((uint64_t)(parting >> down) << 15, (uint32_t)(stops >> down));
 }
 
-static int slide(fray_world *w, const slip_gains *k, uint32_t n, uint32_t axis, yarn_touch *touch) {
+/* Slides of both yarns. Returns 0 iff the contact leaves. */
+static int slide(fray_world *w, const slip_gains *k, uint32_t n, yarn_touch *touch) {
   const vec3 before = touch->gap;
-  if (!slide_along(w, k, n, axis, touch)) return 0;
+  if (!slide_along(w, k, n, FRAY_WARP, touch) || !slide_along(w, k, n, FRAY_WEFT, touch)) return 0;
   if (world_has_elastic_yarns(w)) energy_slide(w, vec_sub(touch->gap, before));
   return 1;
 }
@@ -182,8 +183,7 @@ static void find_impulse(fray_world *w, const slip_gains *k, uint32_t n) {
   t->next[FRAY_WEFT] = w->woven.contacts[n].place[FRAY_WEFT];
   t->next[FRAY_WARP] = w->woven.contacts[n].place[FRAY_WARP];
   int stays = touch_at(w, n, t->next, &touch);
-  if (stays && crossing_state_at(w, c) == FRAY_LOOSE)
-    stays = slide(w, k, n, FRAY_WARP, &touch) && slide(w, k, n, FRAY_WEFT, &touch);
+  if (stays && crossing_state_at(w, c) == FRAY_LOOSE) stays = slide(w, k, n, &touch);
   if (!stays) {
     crossing_set_left(w, c);
     return;

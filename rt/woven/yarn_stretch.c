@@ -140,7 +140,7 @@ static uint32_t advance_axis(int32_t *restrict x, int32_t *restrict rounding, in
     const int32_t moved = fx_add(x[p], whole);
     const int32_t clamped = fx_clamp_rare(moved, -FX_WORLD_MAX, FX_WORLD_MAX);
     at_edge |= (uint32_t)(moved ^ clamped);
-    v[p] = speed;
+    v[p] = moved == clamped ? speed : 0; /* the edge stops it, as in loop_advance() */
     rounding[p] = step - whole * (1 << down);
     x[p] = clamped;
   }
@@ -200,6 +200,7 @@ void yarn_stretch_run(fray_world *w) {
     at_edge |= advance_axis(w->p.x, rounding[0], w->p.vx, attached, end, gravity_part(g.x, step, bits), bits);
     at_edge |= advance_axis(w->p.y, rounding[1], w->p.vy, attached, end, gravity_part(g.y, step, bits), bits);
     at_edge |= advance_axis(w->p.z, rounding[2], w->p.vz, attached, end, gravity_part(g.z, step, bits), bits);
+    energy_elastic_step(w);
   }
   end_axis(w, w->p.qx, w->p.rx, w->p.x);
   end_axis(w, w->p.qy, w->p.ry, w->p.y);

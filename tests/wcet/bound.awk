@@ -21,7 +21,7 @@ function rounds(what) {
   # a light and a whole end: a spare particle makes two light ones, of two links along each yarn
   if (what == "light_links") return least(4 * spares * sweeps * substeps, most["projections"] - held_projections)
   # of four bend springs, and four diagonals twice
-  if (what == "other_springs") return springs_held + least(12 * spares, most["springs"] - springs_held)
+  if (what == "other_springs") return springs_held + least(12 * spares * pulls, most["springs"] - springs_held)
   if (what == "weighings") return yarns * damping
   if (what == "weighed") return yarns * damping * (particles - held)
   if (what == "axis_weighed") return 6 * yarns * damping * (particles - held)
@@ -103,6 +103,7 @@ function least(a, b) { return a < b ? a : b }
 function is_inner(stage, loop) { return stage == "yarn_stretch_run" && (loop == "slips" || loop == "spares") }
 function times(stage) {
   if (stage == "yarn_slip_apply" && stretches != 0) return substeps * inner_steps
+  if (stage == "bend_shear_apply") return pulls
   return per[stage] == "substep" ? substeps : 1
 }
 
@@ -119,6 +120,8 @@ $1 == "limits" {
   cleared_bytes = $23; motion_bytes = $24
   yarns = $37; spares = $38; slips = $39; splits = $40; all_yarn = $41
   warps = $3; wefts = $42; stretches = $43; inner_steps = $44; crossings = $3 * $42; particles += spares
+  pulls = stretches != 0 ? substeps : 1 # of bend and shear springs
+  spring_batches *= pulls; springs_held *= pulls
   triangles = $45; sheet_inner = $46; folds = $47; cloths = $48; kind_changes = $49; limited = $50; constraints = $51
   most["predictions"] = $25; most["projections"] = $26; most["springs"] = $27; most["contacts"] = $28
   most["gathers"] = $29; most["tear_tests"] = $30; most["cuts"] = $32

@@ -187,12 +187,18 @@ static fray_input input_of(const judged *j, const judge_run *run, uint32_t tick)
 
 /* ---- judges of motion ---- */
 
-/* What a stage made less what it lost. A projected link draws at rest, and the contact that holds it takes that
- * back in the same substep: of what limits made slip has taken its part. */
+static double sum_of(const fray_energy_account *a, uint32_t n) {
+  return (double)a->made[n] - (double)a->lost[n];
+}
+
+/* What a stage made less what it lost. A projected link stores nothing, and draws at rest; what holds its
+ * ends takes that back (README.md, "Made"). */
 static double net_of(const fray_energy_account *a, uint32_t n) {
-  const double net = (double)a->made[n] - (double)a->lost[n];
-  const double slip = (double)a->made[FRAY_ENERGY_SLIP] - (double)a->lost[FRAY_ENERGY_SLIP];
-  return n == FRAY_ENERGY_LIMITS ? net + fmin(slip, 0) : net;
+  static const fray_energy_stage holds[] = {FRAY_ENERGY_SLIP, FRAY_ENERGY_CONTACT,
+                                            FRAY_ENERGY_SELF_COLLISION};
+  double net = sum_of(a, n);
+  for (uint32_t k = 0; n == FRAY_ENERGY_LIMITS && k < 3; ++k) net += fmin(sum_of(a, holds[k]), 0);
+  return net;
 }
 
 /* A strain beyond the largest has a force and no energy: what elastic steps make in such a tick says nothing.
@@ -202,6 +208,11 @@ static double excused_net(judged *j, uint32_t n, double net, uint32_t faults) {
   if ((faults & FRAY_FAULT_OVERSTRETCHED) != 0) j->excused += fmax(0, net - j->steps_made);
   j->steps_made = net;
   return net - j->excused;
+}
+
+/* Of yarns, in a substep. */
+static double elastic_steps(const fray_world *w) {
+  return world_has_elastic_yarns(w) ? 1 << w->woven.elastic_params->steps_bits : 1;
 }
 
 static void judge_energy(judged *j, uint32_t tick, uint32_t faults, judge_result *r) {
@@ -227,8 +238,9 @@ static void judge_energy(judged *j, uint32_t tick, uint32_t faults, judge_result
   const double moving = (double)a.stored[FRAY_STORED_KINETIC] * unit;
   j->turned = fmax(j->turned, j->begun + (supplied + fabs((double)a.gravity)) * unit);
   const double speed_step = 0x1p-24 * f->lu_um * 1e-6 * f->rate_hz * f->substeps;
+  const double moves = elastic_steps(j->watched.w);
   j->rounding += f->substeps * (sqrt(2 * fmax(moving, 0) * j->mass) * speed_step +
-                                j->mass * speed_step * speed_step);
+                                moves * j->mass * speed_step * moves * speed_step * moves);
   for (uint32_t n = 0; n < FRAY_ENERGY_STAGES; ++n) {
     const double net = excused_net(j, n, net_of(&a, n) * unit, faults);
     const double allowed = 0.01 * j->turned + j->rounding;

@@ -262,12 +262,13 @@ int draft_yarn_collision(const draft *d, self_params *k) {
   return 1;
 }
 
-/* dv = k/m T h per length, with 16 bits. */
+/* dv = k/m T h per length, with 16 bits; T is the time between two pulls, h a substep. */
 static int make_spring(const draft *d, const char *key, exact k, int32_t rest,
                        int32_t compression_only, bend_shear_class *c) {
   const int64_t rate = d->scene->rate_hz;
+  const int64_t pulls = scene_has_stretch(d->scene) ? d->substeps : 1; /* a tick */
   const exact per_tick = exact_div(exact_div(k, d->particle_mass), exact_make(rate * rate, 1));
-  const exact gain = exact_div(per_tick, exact_make(d->substeps, 1));
+  const exact gain = exact_div(per_tick, exact_make(d->substeps * pulls, 1));
   int32_t mantissa = 0;
   int32_t shift = 16;
   while (mantissa < 1 << 15 && shift < 46)

@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* No stage of woven cloth makes energy: of all rows of the ledger the net is at most a hundredth of what is turned
+ * over. Each scene is one that random scenes found, with its cause. */
+#include "tests/lib/test.h"
+#include "tests/lib/world_fixture.h"
+
+#if FRAY_ENERGY
+static const char at_the_edge[] =
+    "scene edge\nrate 1000 Hz\ngravity -630 960 -340 cm/s2\nsubsteps 2\n"
+    "woven {\n warps 12\n wefts 8\n spacing 9 /cm\n density 0.5 g/cm2\n tear 4 5 %\n orientation horizontal\n"
+    " drag 0.5 /s\n}\n";
+/* The same with a stiffness: its elastic steps have an edge of their own. */
+static const char stretch_at_the_edge[] =
+    "scene edge_stretch\nrate 1000 Hz\ngravity -630 960 -340 cm/s2\nsubsteps 4\n"
+    "woven {\n warps 12\n wefts 8\n spacing 9 /cm\n density 0.1 g/cm2\n tear off\n orientation horizontal\n"
+    " drag 0.5 /s\n stretch 0.05 N\n}\n";
+/* Bend and shear springs beside many elastic steps. */
+static const char springs[] =
+    "scene springs\nrate 500 Hz\nseed 988981677\nsubsteps 16\n"
+    "woven {\n warps 9\n wefts 5\n spacing 17.4953 /cm\n weave twill 2/1\n thickness 0.01633 cm\n"
+    " density 0.12183 g/cm2\n tear off\n orientation horizontal\n at 0 0.466 0 cm\n gather 16.3 %\n pleats 1\n"
+    " drag 0.5 /s\n stretch 0.2298 N\n}\npin row top\n";
+/* Yarns without friction slide over each other in sheared cloth. */
+static const char slides[] =
+    "scene slides\nrate 1000 Hz\nseed 694927969\nsubsteps 4\n"
+    "woven {\n warps 11\n wefts 19\n spacing 10.4796 /cm\n thickness 0.01848 cm\n density 0.0731 g/cm2\n"
+    " structural 838 g/s2\n bend 0.778 g/s2\n shear 3.719 g/s2\n tear 8.3 8.98 %\n orientation vertical\n"
+    " drag 0 /s\n yarns on\n stretch 0.0655 N\n}\npin column left\npin column right\nslit warp 6 0 6\n";
+
+static const struct {
+  const char *name, *text;
+  uint32_t ticks;
+} cases[] = {{"edge", at_the_edge, 800},
+             {"edge_stretch", stretch_at_the_edge, 800},
+             {"springs", springs, 200},
+             {"slides", slides, 60}};
+
+static double net_of(const fray_energy_account *a, uint32_t stage) {
+  return (double)a->made[stage] - (double)a->lost[stage];
+}
+
+/* The largest net of a stage so far. */
+static double largest_net(const fray_energy_account *a) {
+  double most = 0;
+  for (uint32_t n = 0; n < FRAY_ENERGY_STAGES; ++n) most = fmax(most, net_of(a, n));
+  return most;
+}
+
+static void no_stage_makes_energy(void) {
+  for (uint32_t n = 0; n < sizeof cases / sizeof cases[0]; ++n) {
+    fixture_scoped f = {0};
+    double turned = 0;
+    double share = 0;
+    fixture_text(&f, cases[n].text);
+    fray_energy_watch(f.w);
+    for (uint32_t tick = 0; tick < cases[n].ticks; ++tick) {
+      (void)fixture_tick(&f, &fixture_idle);
+      const fray_energy_account a = fray_energy(f.w);
+      double supplied = fabs((double)a.gravity) + fabs((double)a.stored[FRAY_STORED_BODIES]);
+      for (uint32_t k = 0; k < FRAY_ENERGY_SUPPLIES; ++k) supplied += fabs((double)a.supplied[k]);
+      turned = fmax(turned, supplied);
+      if (tick > 20) share = fmax(share, largest_net(&a) / turned);
+    }
+    printf("figure woven_%s_made %.2g of what is turned over (asked: at most 0.01), faults 0x%02X\n", cases[n].name,
+           share, (unsigned)f.w->state->faults);
+    CHECK(share <= 0.01);
+  }
+}
+#endif
+
+int main(void) {
+#if FRAY_ENERGY
+  TEST(no_stage_makes_energy);
+#endif
+  return test_end();
+}
