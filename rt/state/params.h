@@ -155,6 +155,7 @@ static inline uint64_t state_tick(const state *s) { return state_pair(s->tick); 
   X(split_max,          0,          1 << 18)   /* below tear_max */ \
   X(disconnect_distance, 1,          1 << 26)   /* Q24 lu: farther apart a split crossing is disconnected */ \
   X(disconnect_by_particles, 0,          1)         /* measured between its particles, not its yarns */ \
+  X(spread_splits,      0,          1)         /* beside one that disconnects, to the opposite weave */ \
   X(slip_friction,      0,          16 << 16)  /* Q16 */ \
   X(static_friction,    1 << 16,    4 << 16)   /* Q16: at rest, over sliding */ \
   X(crossing_friction,  0,          1 << 24)   /* Q24 lu: what friction holds in a substep without

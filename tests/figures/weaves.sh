@@ -1,51 +1,62 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# weaves.sh [SCENE TICKS]: tears a sheet in plain and in twill weave with SEEDS (20) seeds each, and prints
-# how much each frays. Without a scene the ranges of the open weave's width must not meet. UPDATE=update writes the
-# figures to tests/results.tsv.
+# weaves.sh [SCENE TICKS]: tears a sheet of four weaves with SEEDS (20) seeds each, with and without the paper's rule
+# (`spread_splits`), and prints how much each frays. Without the rule means must be in the order of the weaves, and
+# of plain weave and satin not even the intervals of the means, at 95 %, may meet. UPDATE=update writes the figures to
+# tests/results.tsv.
 . tests/lib/suite.sh
 
-scene=${1:-tests/scenes/figures/weaves.scene}
-ticks=${2:-450}
 seeds=${SEEDS:-20}
 work=${BUILD:-build}/weaves
 mkdir -p "$work"
 
-# WEAVE SEED: fray, width of the open weave
+# SCENE TICKS RULE WEAVE FILE: a line a seed
 measure() {
-  sed "s#^  weave .*#  weave $1#; s/^seed .*/seed $2/" "$scene" >"$work/weave.scene"
-  "$FRAY" run "$work/weave.scene" --ticks "$ticks" >"$work/weave.txt" || return 1
-  sed -n 's/^fray  *\([0-9.]*\) .* open \([0-9.]*\) cm wide$/\1 \2/p' "$work/weave.txt"
-}
-
-# COLUMN FILE: least, mean, most
-range() {
-  awk -v column="$1" '{ v = $column; sum += v; if (NR == 1 || v < least) least = v; if (v > most) most = v }
-    END { printf "%.3f %.3f %.3f\n", least, sum / NR, most }' "$2"
-}
-
-printf '%s, %s ticks, %s seeds\n' "$scene" "$ticks" "$seeds"
-printf '%-10s  %-32s  %s\n' weave 'loose ends, cm a cm of tear' 'open weave, cm wide'
-for weave in plain 'twill 2/2'; do
-  list=$work/$(echo "$weave" | tr -d ' /').txt
-  : >"$list"
   seed=1
   while [ "$seed" -le "$seeds" ]; do
-    measure "$weave" "$seed" >>"$list"
+    sed "s#^  weave .*#  weave $4#; s#^  yarns on#&\n  spread_splits $3#; s/^seed .*/seed $seed/" "$1" >"$work/weave.scene"
+    "$FRAY" run "$work/weave.scene" --ticks "$2" >"$work/weave.txt" || return 1
+    sed -n 's/^fray  *\([0-9.]*\) .*/\1/p' "$work/weave.txt"
     seed=$((seed + 1))
+  done >"$5"
+}
+
+# FILE: mean, half the interval of the mean at 95 %
+interval() {
+  awk '{ sum += $1; squares += $1 * $1 }
+    END { mean = sum / NR; v = NR > 1 ? (squares - NR * mean * mean) / (NR - 1) : 0
+          printf "%.3f %.3f\n", mean, 1.96 * sqrt((v > 0 ? v : 0) / NR) }' "$1"
+}
+
+# SCENE TICKS RULE
+compare() {
+  name=$(basename "$1" .scene)
+  line=''
+  list=$work/$name.$3.txt
+  : >"$list"
+  for weave in plain 'twill 2/1' 'twill 3/1' 'satin 8'; do
+    measure "$1" "$2" "$3" "$weave" "$work/seeds.txt" || true
+    if [ "$(grep -c . "$work/seeds.txt")" -eq "$seeds" ]; then pass; else fail "$name, $weave: a run has no measure"; fi
+    interval "$work/seeds.txt" >>"$list"
+    found=$(tail -n 1 "$list")
+    line="$line$(printf '%14s' "${found% *} +-${found#* }")"
+    [ "${UPDATE:-}" != update ] || sh tests/results.sh set "weaves.${name}_$3.$(echo "$weave" | tr ' /' '__')" \
+      "$(echo "$found" | sed 's/ / +- /')" cm/cm 'make weaves UPDATE=update'
   done
-  if [ "$(grep -c . "$list")" -eq "$seeds" ]; then pass; else fail "$weave: a run has no measure"; fi
-  printf '%-10s  %-32s  %s\n' "$weave" "$(range 1 "$list")" "$(range 2 "$list")"
-  if [ "${UPDATE:-}" = update ]; then
-    key=weaves.$(basename "$scene" .scene)_$(echo "$weave" | tr ' /' '__')
-    sh tests/results.sh set "$key.loose_ends" "$(range 1 "$list")" cm/cm 'make weaves UPDATE=update'
-    sh tests/results.sh set "$key.open" "$(range 2 "$list")" cm 'make weaves UPDATE=update'
-  fi
-done
-if [ $# -eq 0 ]; then
-  widest=$(range 2 "$work/plain.txt" | cut -d ' ' -f 3)
-  narrowest=$(range 2 "$work/twill22.txt" | cut -d ' ' -f 1)
-  holds "plain weave opens to $widest cm, twill from $narrowest cm on" \
-    awk -v a="$widest" -v b="$narrowest" 'BEGIN { exit !(a < b) }'
+  printf '%-16s %-4s %s\n' "$name" "$3" "$line"
+}
+
+printf 'cm of loose ends a cm of tear, %s seeds: mean, 95 %% of the mean\n' "$seeds"
+printf '%-16s %-4s %14s%14s%14s%14s\n' scene rule plain 'twill 2/1' 'twill 3/1' 'satin 8'
+if [ $# -gt 0 ]; then set -- "$1 ${2:-450}"; else
+  set -- 'tests/scenes/strip.scene 600' 'tests/scenes/figures/figure7_plain.scene 450' 'tests/scenes/figures/figure11c.scene 450'
 fi
+for run; do
+  compare "${run% *}" "${run#* }" off
+  holds "$name: without the rule means are in order" \
+    awk 'NR > 1 && $1 < last { bad = 1 } { last = $1 } END { exit bad }' "$list"
+  holds "$name: intervals of plain weave and satin are apart" \
+    awk 'NR == 1 { end = $1 + $2 } NR == 4 { exit !(end < $1 - $2) }' "$list"
+  compare "${run% *}" "${run#* }" on
+done
 suite_end

@@ -9,12 +9,14 @@
 
 enum { WARPS = 9, WEFTS = 7 };
 
-static void open_sheet(fixture *f, const char *pattern) {
+static void open_sheet_of(fixture *f, const char *pattern, const char *spread) {
   fixture_print(f,
                 "scene spread\nrate 1000 Hz\nsubsteps 4\nseed 5\nwoven {\n warps %d\n wefts %d\n"
-                " spacing 12 /cm\n weave %s\n yarns on\n}\npin row top\n",
-                WARPS, WEFTS, pattern);
+                " spacing 12 /cm\n weave %s\n yarns on\n spread_splits %s\n}\npin row top\n",
+                WARPS, WEFTS, pattern, spread);
 }
+
+static void open_sheet(fixture *f, const char *pattern) { open_sheet_of(f, pattern, "on"); }
 
 static uint32_t crossing(uint32_t i, uint32_t j) { return j * WARPS + i; }
 
@@ -41,6 +43,15 @@ static void come_apart(fixture *f, uint32_t c) {
   ((yarn_params *)(uintptr_t)f->w->woven.yarn_constants)->split_min = 1 << 18;
   ((yarn_params *)(uintptr_t)f->w->woven.yarn_constants)->split_max = 1 << 18;
   crossing_transition_find(f->w);
+}
+
+static void alone(void) {
+  static const char *const map[WEFTS] = {".........", ".........", ".........", "....#....",
+                                         ".........", ".........", "........."};
+  fixture_scoped f = {0};
+  open_sheet_of(&f, "plain", "off");
+  come_apart(&f, crossing(4, 3));
+  check_map(&f, map);
 }
 
 static void plain(void) {
@@ -152,6 +163,7 @@ static void a_strained_spring(void) {
 }
 
 int main(void) {
+  TEST(alone);
   TEST(plain);
   TEST(twill_2_1);
   TEST(twill_2_2);

@@ -298,7 +298,7 @@ static void checks_the_cloth(void) {
   check_fails("scene s\nwoven { warps 8\nsphere b { radius 1 cm }\n", 3, 1,
               "found 'sphere' in the woven cloth; is the '{' of line 2 not closed? Its keys: warps, "
               "wefts, spacing, weave, density, structural, bend, shear, shear_lock, tear, gather, pleats, "
-              "damping, yarns, split_strain, disconnect_at, disconnect_by, crossing_friction, "
+              "damping, yarns, split_strain, disconnect_at, disconnect_by, spread_splits, crossing_friction, "
               "slip_friction, static_friction, stretch, stretch_damping, at, orientation, thickness, drag, "
               "self_collision, self_thickness");
 }
@@ -313,9 +313,11 @@ static void reads_yarns(void) {
   CHECK_EXACT(parsed.woven.static_friction, 1, 1);
   CHECK_EXACT(parsed.woven.crossing_friction, 0, 1);
   CHECK_EQ_INT(parsed.woven.disconnect_by_particles, 0);
+  CHECK_EQ_INT(parsed.woven.spread_splits, 0);
   CHECK_EQ_INT(parsed.limits.splits_per_tick, 32);
   CHECK_EQ_INT(parsed.limits.spare_particles, 0);
   check_parses(IN_WOVEN("yarns on split_strain 3 4 % disconnect_at 0.3 mm disconnect_by particles "
+                        "spread_splits on "
                         "slip_friction "
                         "0.25 static_friction 1.5 crossing_friction 2 mN"));
   CHECK_EQ_INT(parsed.woven.yarns, 1);
@@ -326,6 +328,7 @@ static void reads_yarns(void) {
   CHECK_EXACT(parsed.woven.static_friction, 3, 2);
   CHECK_EXACT(parsed.woven.crossing_friction, 1, 500);
   CHECK_EQ_INT(parsed.woven.disconnect_by_particles, 1);
+  CHECK_EQ_INT(parsed.woven.spread_splits, 1);
   CHECK_EQ_INT(parsed.limits.spare_particles, 48);
   check_parses(IN_WOVEN("yarns all") "limits { spare_particles 7 splits_per_tick 1 }\n");
   CHECK_EQ_INT(parsed.woven.yarns, 2);

@@ -278,6 +278,7 @@ static void notes_on_cloth(void) {
        "'crossing_friction' " FREE_OF "'yarns' is off"},
       {WOVEN " disconnect_at 1 mm\n}\n", 7, 2, "'disconnect_at' " FREE_OF "'yarns' is off"},
       {WOVEN " disconnect_by yarns\n}\n", 7, 2, "'disconnect_by' " FREE_OF "'yarns' is off"},
+      {WOVEN " spread_splits on\n}\n", 7, 2, "'spread_splits' " FREE_OF "'yarns' is off"},
       {WOVEN " split_strain 3 4 %\n}\n", 7, 2, "'split_strain' " FREE_OF "'yarns' is off"},
       {WOVEN " yarns all split_strain 3 4 %\n}\n", 0, 0, NULL},
       {WOVEN " yarns on tear off\n}\n", 7, 2, "'yarns' " FREE_OF "'tear' is off: no crossing splits"},

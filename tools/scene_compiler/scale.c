@@ -214,6 +214,7 @@ int draft_yarns(const draft *d, yarn_params *y) {
   char wide[SOURCE_VALUE];
   y->all_yarn = s->woven.yarns == 2;
   y->disconnect_by_particles = s->woven.disconnect_by_particles;
+  y->spread_splits = s->woven.spread_splits;
   if (!draft_fixed_point(d, of_cloth("split_strain", UNIT_SHARE, s->woven.split_strain_min),
                          s->woven.split_strain_min, 16, 0, 1 << 18, &y->split_min) ||
       !draft_fixed_point(d, of_cloth("split_strain", UNIT_SHARE, s->woven.split_strain_max),

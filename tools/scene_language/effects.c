@@ -85,6 +85,7 @@ static const struct {
     {BLOCK_CLOTH, "split_strain", without_yarns, "'yarns' is off"},
     {BLOCK_CLOTH, "disconnect_at", without_yarns, "'yarns' is off"},
     {BLOCK_CLOTH, "disconnect_by", without_yarns, "'yarns' is off"},
+    {BLOCK_CLOTH, "spread_splits", without_yarns, "'yarns' is off"},
     {BLOCK_CLOTH, "crossing_friction", without_yarns, "'yarns' is off"},
     {BLOCK_CLOTH, "slip_friction", without_yarns, "'yarns' is off"},
     {BLOCK_CLOTH, "static_friction", without_yarns, "'yarns' is off"},

@@ -155,6 +155,7 @@ typedef struct {
     exact split_strain_min, split_strain_max; /* defaults 9/10 of tear_min and tear_max */
     exact disconnect_at;  /* cm, default 0.02 */
     int disconnect_by_particles; /* default 0: by the distance of the yarns */
+    int spread_splits;    /* default 0: what splits is decided by what holds it */
     exact slip_friction;  /* default 0 */
     exact static_friction; /* of a yarn at rest over that of one that slides, default 1 */
     exact crossing_friction; /* N, without tension in the yarns, default 0 */

@@ -110,6 +110,12 @@ static int read_disconnect_by(parser *p, const block_key *key, void *target) {
   return value_read_choice(p, words, 2, &((scene *)target)->woven.disconnect_by_particles);
 }
 
+static int read_spread_splits(parser *p, const block_key *key, void *target) {
+  static const char *const words[] = {"off", "on"};
+  (void)key;
+  return value_read_choice(p, words, 2, &((scene *)target)->woven.spread_splits);
+}
+
 /* shear_lock 45 deg; 0 deg is none. */
 static int read_shear_lock(parser *p, const block_key *key, void *target) {
   exact *tangent = &((scene *)target)->woven.shear_lock;
@@ -139,6 +145,7 @@ static const block_key keys[] = {
     {"split_strain", read_split_strain, 0, {UNIT_SHARE, "0.1", "400"}, 2, 0},
     {"disconnect_at", block_exacts, AT(disconnect_at), {UNIT_LENGTH, "0.0001", "1"}, 1, 0},
     {"disconnect_by", read_disconnect_by, 0, NO_RANGE, 0, 0},
+    {"spread_splits", read_spread_splits, 0, NO_RANGE, 0, 0},
     {"crossing_friction", block_exacts, AT(crossing_friction), {UNIT_FORCE, "0", "1"}, 1, 0},
     {"slip_friction", block_exacts, AT(slip_friction), {UNIT_NONE, "0", "16"}, 1, 0},
     {"static_friction", block_exacts, AT(static_friction), {UNIT_NONE, "1", "4"}, 1, 0},
