@@ -24,7 +24,7 @@ extern "C" {
 
 #define FRAY_VERSION "0.5.0"
 #define FRAY_IMAGE_MAJOR 3u
-#define FRAY_IMAGE_MINOR 0u
+#define FRAY_IMAGE_MINOR 1u
 
 enum { FRAY_HANDS = 2 };
 
@@ -365,14 +365,14 @@ typedef struct {
   int32_t split_min_q16, split_max_q16; /* strain at which the ends of a spring split */
   int32_t disconnect_distance;      /* Q24 lu: yarns drawn farther apart are disconnected */
   uint32_t yarn_stiffness_un;       /* force of an elastic yarn at a strain of 1, uN; 0: projection */
-  uint32_t yarn_steps;              /* elastic steps of a substep */
-  uint32_t yarn_damping_ns;
+  uint32_t yarn_steps, yarn_damping_ns; /* elastic steps of a substep; 0: no damping */
   int32_t yarn_max_strain_q16;      /* strain from which projection holds it */
   int32_t gravity[3];               /* Q28 lu per substep, each substep: floor */
   uint32_t gravity_rest[3];         /* and 2^-32 of that unit */
   uint32_t triangles, triangles_max; /* of a membrane, in use and at most; 0: woven */
   uint32_t elastic_steps;           /* of a membrane, in a substep */
   int32_t stiffness_q30;            /* of a membrane: fraction of the measured stiffness, 1 << 30 is all */
+  uint32_t corotational;            /* 1: a membrane that is isotropic; its strength has the same fraction */
   uint32_t self_pairs_max;          /* 0: no self-collision */
   int32_t self_thickness;           /* Q24 lu: distance that self-collision keeps */
   uint32_t hands;                   /* bit h: a body follows hand h */

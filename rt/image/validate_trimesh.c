@@ -25,9 +25,20 @@ static int counts_good(const fray_world *w, fray_error *error) {
   return 1;
 }
 
+/* So that the law of membrane/corotational.h has an energy. */
+static int is_isotropic(const material_table *f) {
+  const int32_t *c = f->stretch[0];
+  for (uint32_t r = 0; r < MATERIAL_ROWS; ++r)
+    for (uint32_t e = 0; e < MATERIAL_ENTRIES; ++e)
+      if (f->stretch[r][e] != c[e]) return 0;
+  return c[0] == c[2] && fx_magnitude(fx_sub(c[0], c[1]) - 2 * c[3]) <= 2u;
+}
+
 static int materials_good(const fray_world *w, fray_error *error) {
   for (uint32_t n = 0; n < (uint32_t)w->trimesh.params->materials; ++n) {
     const material_table *f = &w->membrane.materials[n];
+    if (world_is_corotational(w) && !is_isotropic(f))
+      return image_bad(error, IN_MATERIALS, n, "c11 = c22 = c12 + 2 c33, the same in all rows");
     if (f->scale < 1 || f->scale > 1 << 30)
       return image_bad(error, IN_MATERIALS, n, "a scale of at most 1");
     for (uint32_t r = 0; r < MATERIAL_ROWS; ++r) {

@@ -50,6 +50,7 @@ typedef enum {
   POOLS_IN_HEADER,
   POOL_PATCHES = POOLS_IN_HEADER, /* of triangle self-collision, and pairs of these: by POOL_TRIANGLES */
   POOL_PATCH_PAIRS,
+  POOL_COROTATIONAL, /* 1 iff the membrane is isotropic, else 0: a feature of the header */
   POOL_YARN_CONTACTS, /* crossings that can split: one a spare particle, in worlds with yarns */
   POOLS
 } pool_name;
@@ -311,6 +312,7 @@ static inline void world_find_features(fray_world *w) {
   w->features.yarn_collision = pool[POOL_YARN_PAIRS] != 0;
   w->features.triangle_collision = pool[POOL_TRIANGLE_PAIRS] != 0;
   w->features.blades = pool[POOL_BLADES] != 0;
+  w->features.corotational = pool[POOL_COROTATIONAL] != 0;
 }
 
 static inline int world_has_membrane(const fray_world *w) { return FRAY_TRIANGLES && w->features.membrane; }
@@ -325,6 +327,9 @@ static inline int world_has_yarn_collision(const fray_world *w) {
 }
 static inline int world_has_triangle_collision(const fray_world *w) {
   return FRAY_TRIANGLE_COLLISION && w->features.triangle_collision;
+}
+static inline int world_is_corotational(const fray_world *w) {
+  return FRAY_CRACKS && FRAY_TRIANGLES && w->features.corotational;
 }
 static inline int world_has_blades(const fray_world *w) {
   return FRAY_MESHES && FRAY_TRIANGLES && w->features.blades;

@@ -128,6 +128,9 @@ static exact strength_of(const material_spec *f) {
 static exact faster_torn(const scene *s, exact stiffest) {
   const exact max = strength_of(&s->membrane.cloth);
   exact l = s->membrane.strain_limit;
+  /* its slope does not grow, but for a triangle that is drawn far one way and pressed flat the other */
+  if (s->membrane.cloth.corotational)
+    return exact_compare(s->membrane.cloth.poisson, exact_make(2, 5)) > 0 ? exact_make(11, 10) : exact_make(1, 1);
   if (max.numerator == 0 && l.numerator == 0) return exact_make(1, 1);
   if (l.numerator == 0) l = exact_div(max, stiffest);
   if (!exact_valid(l)) l = exact_div(rounded_up(max), rounded_up(stiffest));
@@ -137,7 +140,7 @@ static exact faster_torn(const scene *s, exact stiffest) {
 /* Of other cloth, which loads draw: the factor of its steps that lets strain_law.h begin beyond that. */
 static exact faster_loaded(const scene *s) {
   const exact max = strength_of(&s->membrane.cloth);
-  if (s->load_count == 0 || max.numerator != 0 || s->membrane.strain_limit.numerator != 0)
+  if (s->membrane.cloth.corotational || s->load_count == 0 || max.numerator != 0 || s->membrane.strain_limit.numerator != 0)
     return exact_make(1, 1);
   return faster_drawn(loaded_strain(s));
 }
@@ -253,7 +256,8 @@ static int fill_tear_strength(const draft *d, tear_strength *t) {
   for (uint32_t n = 0; n < TEAR_STRENGTH_DIRECTIONS; ++n)
     if (!draft_fixed_point(
             d, number_of(d, "tear", UNIT_STIFFNESS, exact_mul(from->strength[n], exact_make(1000, 1))),
-            from->strength[n], 12, 0, MAX_TEAR_STRENGTH, &t->strength[n]))
+            from->corotational ? exact_mul(from->strength[n], d->stiffness) : from->strength[n], 12, 0,
+            MAX_TEAR_STRENGTH, &t->strength[n]))
       return 0;
   return draft_fixed_point(d, number_of(d, "tear_interval", UNIT_TIME, from->tear_interval),
                            exact_mul(from->tear_interval, exact_make((int64_t)d->scene->rate_hz, 1)), 0, 0,
