@@ -180,6 +180,7 @@ typedef struct {
   uint32_t slips;             /* connected and loose crossings x substeps, x elastic steps */
   uint32_t yarn_forces;       /* structural springs x elastic steps x substeps, twice with damping */
   uint32_t tear_candidates;   /* lines along which the membrane was tested for a tear */
+  uint32_t eigenvalues;       /* vertices of an isotropic sheet whose principal stress was looked at */
   uint32_t element_forces;    /* triangles x elastic steps x substeps */
   uint32_t bend_forces;       /* folds between triangles x their bending steps */
   uint32_t mesh_tests;        /* paths of particles tested against the box of a rigid mesh or sphere */
@@ -390,8 +391,7 @@ typedef struct {
  * wefts first, (i,j)-(i+1,j) is j * (warps - 1) + i; then along warps, (i,j)-(i,j+1) is
  * wefts * (warps - 1) + j * warps + i. All 0 for a membrane. */
 typedef struct {
-  uint32_t warps, wefts;
-  uint32_t weave_columns, weave_rows; /* the repeat of the weave, 1..8 each */
+  uint32_t warps, wefts, weave_columns, weave_rows; /* the last two: the repeat of the weave, 1..8 each */
   uint64_t weave; /* bit (j % weave_rows) * 8 + (i % weave_columns): the warp is over the weft */
 } fray_weave;
 

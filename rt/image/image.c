@@ -41,7 +41,8 @@ static int is_saved(const image_array *a, const uint32_t capacity[POOLS]) {
 }
 static uint32_t features_of(const uint32_t capacity[POOLS]) {
   return (short_ids(capacity) ? (uint32_t)IMAGE_SHORT_IDS : 0u) |
-         (capacity[POOL_COROTATIONAL] != 0 ? (uint32_t)IMAGE_COROTATIONAL : 0u);
+         (capacity[POOL_COROTATIONAL] != 0 ? (uint32_t)IMAGE_COROTATIONAL : 0u) |
+         (capacity[POOL_CRACKS] != 0 ? (uint32_t)IMAGE_CRACKS : 0u);
 }
 /* The oldest that has these features. */
 static uint32_t version_of(uint32_t features) {
@@ -175,6 +176,7 @@ static fray_status read_header(const uint8_t *image, size_t bytes, uint32_t capa
   }
   const uint32_t features = bytes_load32(image + 4 * IMAGE_FEATURES_WORD);
   capacity[POOL_COROTATIONAL] = capacity[POOL_TRIANGLES] != 0 && (features & IMAGE_COROTATIONAL) != 0;
+  capacity[POOL_CRACKS] = capacity[POOL_COROTATIONAL] != 0 && (features & IMAGE_CRACKS) != 0;
   derive_pools(capacity);
   if (features != features_of(capacity))
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_FEATURES_WORD,

@@ -186,7 +186,7 @@ static scene parsed;
 static int parses(const block_rule *rule, const char *shape, const char *key, const char *text) {
   static const char *const of_membranes[] = {"wind", "load", "spare_triangles", NULL};
   static const char *const of_free[] = {"mass", "velocity", NULL};
-  static const char *const of_sheets[] = {"poisson", "thickness", NULL};
+  static const char *const of_sheets[] = {"poisson", "thickness", "breaks", "average", "cracks", NULL};
   static const char *const is_material[] = {"density", "base", NULL};
   static char inside[2 * CELL];
   static char all[4 * CELL];

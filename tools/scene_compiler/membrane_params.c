@@ -275,6 +275,27 @@ static int fill_blades(const draft *d, blade_params *b) {
                            BLADE_SPEED_MAX, &b->speed[0]);
 }
 
+/* Strength as stiffness is scaled; the length is at least two cells, and at most what
+ * STRESS_AVERAGE_TRIANGLES cover: a circle of pi 32 cells. */
+static int fill_cracks(const draft *d, crack_params *c) {
+  const material_spec *from = &d->scene->membrane.cloth;
+  const exact *cell = d->scene->membrane.cell;
+  const exact least = exact_mul(larger(cell[0], cell[1]), exact_make(2, 1));
+  const exact length = from->average.numerator != 0 ? from->average : least;
+  const exact strength = exact_mul(exact_mul(from->breaks, from->thickness), exact_make(1, 100));
+  const exact most = exact_mul(exact_mul(cell[0], cell[1]), exact_make(32, 1));
+  c->many = from->many_cracks;
+  if (exact_compare(length, least) < 0 || exact_compare(exact_mul(length, length), most) > 0) {
+    const char *key = "average";
+    const uint32_t block = draft_material(d, &key);
+    return draft_expected(d, block, key, "a length of 2 to 5 cells");
+  }
+  return draft_fixed_point(d, number_of(d, "breaks", UNIT_PRESSURE, from->breaks),
+                           exact_mul(strength, d->stiffness), 12, 1, MAX_TEAR_STRENGTH, &c->breaks) &&
+         draft_fixed_point(d, number_of(d, "average", UNIT_LENGTH, length), exact_mul(length, d->lu_per_cm), 24,
+                           1 << 10, CRACK_AVERAGE_MAX, &c->average);
+}
+
 /* value = mantissa * 2^-shift, with 31 bits. */
 static int mantissa_of(const draft *d, draft_number n, exact value, unsigned min, unsigned max,
                        int32_t *mantissa, int32_t *shift) {
@@ -514,6 +535,7 @@ int draft_membrane_params(draft *d, fray_world *w) {
     return 0;
   if (!fill_material(d, WRITABLE(material_table, w->membrane.materials)) ||
       !fill_tear_strength(d, WRITABLE(tear_strength, w->membrane.tear_strengths)) ||
+      (world_has_cracks(w) && !fill_cracks(d, WRITABLE(crack_params, w->membrane.crack_constants))) ||
       (world_has_blades(w) && !fill_blades(d, WRITABLE(blade_params, w->membrane.blades))))
     return 0;
   c->steps = (int32_t)d->elastic_steps;

@@ -113,11 +113,20 @@ static int read_cut_speed(parser *p, const block_key *key, void *target) {
 
 /* young 3 GPa, poisson 0.3, thickness 0.1 mm: an isotropic sheet, without `isotropic` or `stretch`. */
 static int is_of_sheet(const char *key) {
-  return strcmp(key, "young") == 0 || strcmp(key, "poisson") == 0 || strcmp(key, "thickness") == 0;
+  static const char *const all[] = {"young", "poisson", "thickness", "breaks", "average", "cracks"};
+  for (uint32_t n = 0; n < sizeof all / sizeof all[0]; n++)
+    if (strcmp(key, all[n]) == 0) return 1;
+  return 0;
+}
+
+static int read_cracks(parser *p, const block_key *key, void *target) {
+  static const char *const words[] = {"one", "many"};
+  (void)key;
+  return value_read_choice(p, words, 2, &((scene_material *)target)->cloth.many_cracks);
 }
 
 static int resolve_sheet(parser *p, scene_material *m) {
-  static const char *const others[] = {"base", "isotropic", "stretch"};
+  static const char *const others[] = {"base", "isotropic", "stretch", "tear"};
   const scene_source *s = &p->out->source;
   const source_key *young = source_find(s, p->block, "young");
   if (young == NULL) {
@@ -128,7 +137,7 @@ static int resolve_sheet(parser *p, scene_material *m) {
   }
   for (uint32_t n = 0; n < sizeof others / sizeof others[0]; n++) {
     const source_key *other = source_find(s, p->block, others[n]);
-    if (other != NULL)
+    if (other != NULL && (strcmp(others[n], "tear") != 0 || m->cloth.breaks.numerator != 0))
       return parser_fail(p, young->place, "found 'young' beside '%s' of line %d, expected one of them", others[n],
                          other->place.line);
   }
@@ -159,6 +168,9 @@ static const block_key keys[] = {
     {"young", block_exacts, offsetof(scene_material, cloth.young), {UNIT_PRESSURE, "1", "1000000000000"}, 1, 0},
     {"poisson", block_exacts, offsetof(scene_material, cloth.poisson), {UNIT_NONE, "0", "0.499"}, 1, 0},
     {"thickness", block_exacts, offsetof(scene_material, cloth.thickness), {UNIT_LENGTH, "0.0001", "1"}, 1, 0},
+    {"breaks", block_exacts, offsetof(scene_material, cloth.breaks), {UNIT_PRESSURE, "1", "1000000000000"}, 1, 0},
+    {"average", block_exacts, offsetof(scene_material, cloth.average), {UNIT_LENGTH, "0.001", "100"}, 1, 0},
+    {"cracks", read_cracks, 0, NO_RANGE, 0, 0},
     {"bend", read_bend, 0, {UNIT_BENDING, "0", "0.0019"}, 5, KEY_REPEATS},
 };
 const block_rule material_rule = {"material", keys, sizeof keys / sizeof keys[0]};
@@ -179,6 +191,7 @@ int material_block_read(parser *p, const block_key *key, void *target) {
   material_table_never_tear(&m->cloth);
   m->stretch_rows = m->bend_rows = 0;
   m->cloth.young = zero;
+  m->cloth.many_cracks = 0;
   m->cloth.poisson = exact_make(3, 10);
   m->cloth.thickness = exact_make(1, 100);
   const scene_place name = parser_here(p);

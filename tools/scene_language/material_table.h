@@ -34,6 +34,9 @@ typedef struct {
   exact cut_speed;                      /* ... at this speed or faster, cm/s */
   int corotational;                     /* isotropic, by membrane/corotational.h: */
   exact young, poisson, thickness;      /* N/m2, ratio, cm; stretch follows from them */
+  exact breaks;                         /* N/m2; 0: never */
+  exact average;                        /* cm; 0: the least there is */
+  int many_cracks;
 } material_spec;
 
 void material_table_never_tear(material_spec *f);
