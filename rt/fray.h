@@ -24,7 +24,7 @@ extern "C" {
 
 #define FRAY_VERSION "0.5.0"
 #define FRAY_IMAGE_MAJOR 3u
-#define FRAY_IMAGE_MINOR 0u
+#define FRAY_IMAGE_MINOR 1u
 
 enum { FRAY_HANDS = 2 };
 
@@ -180,6 +180,7 @@ typedef struct {
   uint32_t slips;             /* connected and loose crossings x substeps, x elastic steps */
   uint32_t yarn_forces;       /* structural springs x elastic steps x substeps, twice with damping */
   uint32_t tear_candidates;   /* lines along which the membrane was tested for a tear */
+  uint32_t eigenvalues;       /* vertices of an isotropic sheet whose principal stress was looked at */
   uint32_t element_forces;    /* triangles x elastic steps x substeps */
   uint32_t bend_forces;       /* folds between triangles x their bending steps */
   uint32_t mesh_tests;        /* paths of particles tested against the box of a rigid mesh or sphere */
@@ -365,14 +366,14 @@ typedef struct {
   int32_t split_min_q16, split_max_q16; /* strain at which the ends of a spring split */
   int32_t disconnect_distance;      /* Q24 lu: yarns drawn farther apart are disconnected */
   uint32_t yarn_stiffness_un;       /* force of an elastic yarn at a strain of 1, uN; 0: projection */
-  uint32_t yarn_steps;              /* elastic steps of a substep */
-  uint32_t yarn_damping_ns;
+  uint32_t yarn_steps, yarn_damping_ns; /* elastic steps of a substep; 0: no damping */
   int32_t yarn_max_strain_q16;      /* strain from which projection holds it */
   int32_t gravity[3];               /* Q28 lu per substep, each substep: floor */
   uint32_t gravity_rest[3];         /* and 2^-32 of that unit */
   uint32_t triangles, triangles_max; /* of a membrane, in use and at most; 0: woven */
   uint32_t elastic_steps;           /* of a membrane, in a substep */
   int32_t stiffness_q30;            /* of a membrane: fraction of the measured stiffness, 1 << 30 is all */
+  uint32_t corotational;            /* 1: a membrane that is isotropic; its strength has the same fraction */
   uint32_t self_pairs_max;          /* 0: no self-collision */
   int32_t self_thickness;           /* Q24 lu: distance that self-collision keeps */
   uint32_t hands;                   /* bit h: a body follows hand h */
@@ -390,8 +391,7 @@ typedef struct {
  * wefts first, (i,j)-(i+1,j) is j * (warps - 1) + i; then along warps, (i,j)-(i,j+1) is
  * wefts * (warps - 1) + j * warps + i. All 0 for a membrane. */
 typedef struct {
-  uint32_t warps, wefts;
-  uint32_t weave_columns, weave_rows; /* the repeat of the weave, 1..8 each */
+  uint32_t warps, wefts, weave_columns, weave_rows; /* the last two: the repeat of the weave, 1..8 each */
   uint64_t weave; /* bit (j % weave_rows) * 8 + (i % weave_columns): the warp is over the weft */
 } fray_weave;
 

@@ -8,6 +8,7 @@
  * A gain times a strain is the impulse of one of n elastic steps, so energies are n times that. Moments
  * come in every `bend_every`-th of them. */
 #include "rt/energy/energy_measure.h"
+#include "rt/membrane/corotational.h"
 #include "rt/membrane/membrane.h"
 #include "rt/membrane/strain_law.h"
 #include "rt/state/deformation.h"
@@ -26,6 +27,21 @@ static vec3 edge_vector(const fray_world *w, uint32_t from, uint32_t to) {
   return vec_add(whole, vec_sub(b, a));
 }
 
+/* The strain whose product with c is stress, and twice the energy. */
+static material_tensor counted_strain(const fray_world *w, uint32_t t, material_tensor strain) {
+  const int32_t *c = w->membrane.gains[t].c;
+  material_tensor counted = strain;
+#if FRAY_CRACKS
+  if (world_is_corotational(w)) {
+    (void)corotational_stress(c, strain, &counted);
+    return counted;
+  }
+#endif
+  if (strain_law_may_apply(strain, w->membrane.strain_threshold[t]))
+    (void)strain_law_stress(c, strain, w->membrane.strain_threshold[t], &counted);
+  return counted;
+}
+
 static void measure_triangles(const fray_world *w, energy_stored *e) {
   const uint32_t triangles = triangles_in_use(w);
   const int64_t steps = w->membrane.constants->steps;
@@ -37,9 +53,7 @@ static void measure_triangles(const fray_world *w, energy_stored *e) {
     const deformation d =
         deformation_from_edges(edge_vector(w, v[0], v[1]), edge_vector(w, v[0], v[2]),
                                &w->trimesh.weights[t], FX_VELOCITY_BITS);
-    material_tensor strain = material_strain(d.u, d.v);
-    if (strain_law_may_apply(strain, w->membrane.strain_threshold[t]))
-      (void)strain_law_stress(w->membrane.gains[t].c, strain, w->membrane.strain_threshold[t], &strain);
+    const material_tensor strain = counted_strain(w, t, material_strain(d.u, d.v));
     const material_tensor stress = material_stress(w->membrane.gains[t].c, strain); /* Q30 */
     normal = wide_add(
         normal, wide_of(fx_mul_wide(stress.uu, strain.uu) + fx_mul_wide(stress.vv, strain.vv), 58));

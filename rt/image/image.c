@@ -39,11 +39,15 @@ static int is_left_out(const image_array *a, const uint32_t capacity[POOLS]) {
 static int is_saved(const image_array *a, const uint32_t capacity[POOLS]) {
   return a->id != 0 && !is_left_out(a, capacity);
 }
-enum { IMAGE_VERSION = FRAY_IMAGE_MAJOR << 16 | FRAY_IMAGE_MINOR };
-_Static_assert(IMAGE_VERSION == 3u << 16, "the version that messages name");
-
 static uint32_t features_of(const uint32_t capacity[POOLS]) {
-  return short_ids(capacity) ? (uint32_t)IMAGE_SHORT_IDS : 0u;
+  return (short_ids(capacity) ? (uint32_t)IMAGE_SHORT_IDS : 0u) |
+         (capacity[POOL_COROTATIONAL] != 0 ? (uint32_t)IMAGE_COROTATIONAL : 0u) |
+         (capacity[POOL_CRACKS] != 0 ? (uint32_t)IMAGE_CRACKS : 0u);
+}
+/* The oldest that has these features. */
+static uint32_t version_of(uint32_t features) {
+  _Static_assert(FRAY_IMAGE_MAJOR == 3u && FRAY_IMAGE_MINOR == 1u, "the versions that messages name");
+  return FRAY_IMAGE_MAJOR << 16 | (features > IMAGE_SHORT_IDS ? 1u : 0u);
 }
 static uint32_t elements(const image_array *a, const uint32_t capacity[POOLS]) {
   FRAY_ASSERT(a->pool < POOLS);
@@ -125,10 +129,10 @@ static fray_status check_version(const uint8_t *image, fray_error *error) {
   const uint32_t version = bytes_load32(image + 4 * IMAGE_VERSION_WORD);
   if (bytes_load32(image) != IMAGE_MAGIC)
     return image_refuse(error, FRAY_BAD_MAGIC, 0, 0, "the bytes FRAY");
-  if (version == IMAGE_VERSION) return FRAY_OK;
+  if (version == version_of(bytes_load32(image + 4 * IMAGE_FEATURES_WORD))) return FRAY_OK;
   return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD,
                       version >> 16 == 2u ? "image version 3.0; version 2 needs fray 0.3 or 0.4"
-                                          : "image version 3.0");
+                                          : "image version 3.0, or 3.1 of an isotropic sheet");
 }
 
 /* What the options of this build leave out. */
@@ -149,6 +153,9 @@ static fray_status check_options(const uint8_t *image, fray_error *error) {
       (header_capacity(image, POOL_RIGID_MESH_WORDS) | header_capacity(image, POOL_BLADES)) != 0)
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_CAPACITY_WORD + POOL_RIGID_MESH_WORDS,
                         "a build with rigid meshes, and bodies that triangles meet (FRAY_MESHES)");
+  if (!FRAY_CRACKS && (bytes_load32(image + 4 * IMAGE_FEATURES_WORD) & IMAGE_COROTATIONAL) != 0)
+    return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_FEATURES_WORD,
+                        "a build with isotropic sheets (FRAY_CRACKS)");
   return FRAY_OK;
 }
 
@@ -167,8 +174,10 @@ static fray_status read_header(const uint8_t *image, size_t bytes, uint32_t capa
       return image_refuse(error, FRAY_BAD_FIELD, 0, IMAGE_CAPACITY_WORD + p,
                           "a capacity in its range");
   }
-  derive_pools(capacity);
   const uint32_t features = bytes_load32(image + 4 * IMAGE_FEATURES_WORD);
+  capacity[POOL_COROTATIONAL] = capacity[POOL_TRIANGLES] != 0 && (features & IMAGE_COROTATIONAL) != 0;
+  capacity[POOL_CRACKS] = capacity[POOL_COROTATIONAL] != 0 && (features & IMAGE_CRACKS) != 0;
+  derive_pools(capacity);
   if (features != features_of(capacity))
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_FEATURES_WORD,
                         "the features of its capacities, short ids where they fit");
@@ -344,7 +353,7 @@ size_t fray_save(const fray_world *world, void *buffer, size_t buffer_bytes) {
     save_array(a, image_pointer(world, a), stored, image + offset, count);
   }
   bytes_store32(image, IMAGE_MAGIC);
-  bytes_store32(image + 4 * IMAGE_VERSION_WORD, IMAGE_VERSION);
+  bytes_store32(image + 4 * IMAGE_VERSION_WORD, version_of(features_of(world->capacity)));
   bytes_store32(image + 4 * IMAGE_BYTES_WORD, length);
   bytes_store32(image + 4 * IMAGE_FEATURES_WORD, features_of(world->capacity));
   bytes_store32(image + 4 * IMAGE_SECTIONS_WORD, entry);

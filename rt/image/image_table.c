@@ -117,6 +117,13 @@ const image_array image_arrays[] = {
 #endif
     SHEET(IMAGE_BEND_STATES, ROLE_STATE, KIND_WORD, POOL_TRIANGLES, BEND_STATE_WORDS, membrane.bend_states),
     YARN(IMAGE_YARN_CONTACTS, ROLE_STATE, KIND_WORD, POOL_YARN_CONTACTS, YARN_CONTACT_WORDS, woven.contacts),
+#if FRAY_CRACKS
+    {"cracks", IMAGE_CRACK_PARAMS, ROLE_CONSTANT, KIND_WORD, POOL_CRACKS, POOL_CRACKS, CRACK_PARAM_WORDS,
+     AT(membrane.crack_constants)},
+    {"tips", IMAGE_CRACK_STATE, ROLE_STATE, KIND_WORD, POOL_CRACKS, POOL_CRACKS, CRACK_STATE_WORDS,
+     AT(membrane.cracks)},
+    {"averaged", 0, ROLE_TICK, KIND_WORD, POOL_TRIANGLES, POOL_CRACKS, 1, AT(membrane.averaged)},
+#endif
     TICK(POOL_PARTICLES, int32_t, p.qx),
     TICK(POOL_PARTICLES, int32_t, p.qy),
     TICK(POOL_PARTICLES, int32_t, p.qz),

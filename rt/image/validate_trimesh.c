@@ -7,6 +7,9 @@
 static const word_range params_ranges[TRIMESH_PARAM_WORDS] = {TRIMESH_PARAMS(X)};
 static const word_range state_ranges[TRIMESH_STATE_WORDS] = {TRIMESH_STATE(X)};
 static const word_range membrane_ranges[MEMBRANE_PARAM_WORDS] = {MEMBRANE_PARAMS(X)};
+#if FRAY_CRACKS
+static const word_range crack_ranges[CRACK_PARAM_WORDS] = {CRACK_PARAMS(X)};
+#endif
 static const word_range strength_ranges[TEAR_STRENGTH_WORDS] = {TEAR_STRENGTHS(X)};
 #undef X
 
@@ -25,9 +28,20 @@ static int counts_good(const fray_world *w, fray_error *error) {
   return 1;
 }
 
+/* So that the law of membrane/corotational.h has an energy. */
+static int is_isotropic(const material_table *f) {
+  const int32_t *c = f->stretch[0];
+  for (uint32_t r = 0; r < MATERIAL_ROWS; ++r)
+    for (uint32_t e = 0; e < MATERIAL_ENTRIES; ++e)
+      if (f->stretch[r][e] != c[e]) return 0;
+  return c[0] == c[2] && fx_magnitude(fx_sub(c[0], c[1]) - 2 * c[3]) <= 2u;
+}
+
 static int materials_good(const fray_world *w, fray_error *error) {
   for (uint32_t n = 0; n < (uint32_t)w->trimesh.params->materials; ++n) {
     const material_table *f = &w->membrane.materials[n];
+    if (world_is_corotational(w) && !is_isotropic(f))
+      return image_bad(error, IN_MATERIALS, n, "c11 = c22 = c12 + 2 c33, the same in all rows");
     if (f->scale < 1 || f->scale > 1 << 30)
       return image_bad(error, IN_MATERIALS, n, "a scale of at most 1");
     for (uint32_t r = 0; r < MATERIAL_ROWS; ++r) {
@@ -148,6 +162,26 @@ static int rings_good(const fray_world *w, fray_error *error) {
   return 1;
 }
 
+#if FRAY_CRACKS
+static int cracks_good(const fray_world *w, fray_error *error) {
+  const crack_state *c = w->membrane.cracks;
+  if (!world_has_cracks(w)) return 1;
+  if (!image_words_in_range(w->membrane.crack_constants, crack_ranges, CRACK_PARAM_WORDS, IMAGE_CRACK_PARAMS,
+                            error))
+    return 0;
+  if (c->begun < 0 || c->begun > 1 || c->tips < 0 || c->tips > CRACK_TIPS)
+    return image_bad(error, IMAGE_CRACK_STATE, 0, "0 or 1, and at most 32 tips");
+  for (uint32_t n = 0; n < CRACK_TIPS; ++n) {
+    const crack_tip *tip = &c->tip[n];
+    const uint32_t most = n < (uint32_t)c->tips ? 1u << 30 : 0;
+    if (fx_magnitude(tip->way_u) > most || fx_magnitude(tip->way_v) > most || tip->vertex < 0 ||
+        (most != 0 ? (uint32_t)tip->vertex >= w->p.count : tip->vertex != 0))
+      return image_bad(error, IMAGE_CRACK_STATE, 2u + 3u * n, "a vertex in use and a way within 1, or zeros");
+  }
+  return 1;
+}
+#endif
+
 /* So that areas fit 64 bits. */
 #define REST_MAX (32 * FX_LU)
 
@@ -169,6 +203,9 @@ int trimesh_validate(fray_world *w, fray_error *error) {
                      error) &&
       counts_good(w, error) && materials_good(w, error) && tear_strengths_good(w, error) &&
       rest_positions_good(w, error) &&
+#if FRAY_CRACKS
+      cracks_good(w, error) &&
+#endif
       triangles_good(w, error) && rings_good(w, error);
   if (good) trimesh_derive(w);
   return good;

@@ -149,6 +149,9 @@ static void add_membrane(const fray_world *w, fray_work *most) {
   most->tear_tests = triangles;
   most->tear_candidates = 6u * triangles;
   most->tears = (uint32_t)w->trimesh.params->materials;
+  if (!world_has_cracks(w)) return;
+  most->tears = CRACK_TIPS + 2;
+  most->eigenvalues = w->capacity[POOL_PARTICLES] + CRACK_TIPS;
 }
 
 fray_work fray_work_bound(const fray_world *w) {

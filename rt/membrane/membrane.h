@@ -10,6 +10,11 @@
 /* Once a tick, before the substeps. */
 void membrane_stress_update(fray_world *w); /* stress of every triangle, at the beginning of the tick */
 void membrane_tear_apply(fray_world *w);    /* splits the vertex that exceeds its strength most */
+#if FRAY_CRACKS
+void crack_advance(fray_world *w);          /* in its place: tips of an isotropic sheet go on, one begins */
+#else
+static inline void crack_advance(fray_world *w) { (void)w; }
+#endif
 void blade_cut_apply(fray_world *w);        /* sharp edges and points of rigid meshes cut */
 void membrane_gains_update(fray_world *w);  /* stiffness times area, inverse masses, bending */
 void wind_apply(fray_world *w);             /* loads on the boundary, aerodynamic drag */

@@ -12,6 +12,7 @@
  * Corners 1 and 2 get their impulses, corner 0 the opposite of both, so the sum is zero to the last bit. An
  * impulse of a corner is held to 2^26 - 2^22: those of 16 triangles fit 32 bits, with as much as bending and
  * the wind may add. */
+#include "rt/membrane/corotational.h"
 #include "rt/membrane/membrane.h"
 #include "rt/membrane/strain_law.h"
 #include "rt/simd/simd.h"
@@ -47,27 +48,48 @@ static int is_overstretched(material_tensor g) {
   return g.uu == STRAIN_MAX || g.vv == STRAIN_MAX || g.uv == STRAIN_MAX || g.uv == -STRAIN_MAX;
 }
 
-/* Returns 1 iff it is overstretched: only where the law applies, as no threshold is near STRAIN_MAX. */
-static int force_triangle(const force_view *view, uint32_t t) {
+static deformation deformation_in_step(const force_view *view, uint32_t t) {
+  const index_t *v = view->triangle[t].v;
+  return deformation_from_edges(edge_vector(view->place, v[0], v[1]), edge_vector(view->place, v[0], v[2]),
+                                &view->weights[t], FX_VELOCITY_BITS + ELASTIC_DIFFERENCE_MORE);
+}
+
+static void add_stress(const force_view *view, uint32_t t, const deformation *d,
+                       const material_tensor *stress) {
   const index_t *v = view->triangle[t].v;
   const trimesh_weights *r = &view->weights[t];
-  const deformation d =
-      deformation_from_edges(edge_vector(view->place, v[0], v[1]), edge_vector(view->place, v[0], v[2]), r,
-                             FX_VELOCITY_BITS + ELASTIC_DIFFERENCE_MORE);
+  const axis_impulses x = axis_impulses_of(r, d->u.x, d->v.x, stress);
+  const axis_impulses y = axis_impulses_of(r, d->u.y, d->v.y, stress);
+  const axis_impulses z = axis_impulses_of(r, d->u.z, d->v.z, stress);
+  elastic_impulse_add(&view->sum[v[0]], vec_make(x.one + x.two, y.one + y.two, z.one + z.two));
+  elastic_impulse_add(&view->sum[v[1]], vec_make(-x.one, -y.one, -z.one));
+  elastic_impulse_add(&view->sum[v[2]], vec_make(-x.two, -y.two, -z.two));
+}
+
+/* Returns 1 iff it is overstretched: only where the law applies, as no threshold is near STRAIN_MAX. */
+static int force_triangle(const force_view *view, uint32_t t) {
+  const deformation d = deformation_in_step(view, t);
   const material_tensor strain = material_strain(d.u, d.v);
   material_tensor counted;
   const int is_beyond = strain_law_may_apply(strain, view->strain_threshold[t]);
   const material_tensor stress =
       is_beyond ? strain_law_stress(view->gains[t].c, strain, view->strain_threshold[t], &counted)
                 : material_stress(view->gains[t].c, strain);
-  const axis_impulses x = axis_impulses_of(r, d.u.x, d.v.x, &stress);
-  const axis_impulses y = axis_impulses_of(r, d.u.y, d.v.y, &stress);
-  const axis_impulses z = axis_impulses_of(r, d.u.z, d.v.z, &stress);
-  elastic_impulse_add(&view->sum[v[0]], vec_make(x.one + x.two, y.one + y.two, z.one + z.two));
-  elastic_impulse_add(&view->sum[v[1]], vec_make(-x.one, -y.one, -z.one));
-  elastic_impulse_add(&view->sum[v[2]], vec_make(-x.two, -y.two, -z.two));
+  add_stress(view, t, &d, &stress);
   return is_beyond && is_overstretched(strain);
 }
+
+#if FRAY_CRACKS
+/* Returns 1 iff it is overstretched. */
+static int force_corotational(const force_view *view, uint32_t t) {
+  const deformation d = deformation_in_step(view, t);
+  const material_tensor strain = material_strain(d.u, d.v);
+  material_tensor counted;
+  const material_tensor stress = corotational_stress(view->gains[t].c, strain, &counted);
+  add_stress(view, t, &d, &stress);
+  return is_overstretched(strain);
+}
+#endif
 
 void membrane_force_add(fray_world *w) {
   FRAY_ASSERT(world_has_membrane(w));
@@ -76,6 +98,9 @@ void membrane_force_add(fray_world *w) {
   const uint32_t count = triangles_in_use(w);
   uint32_t t = 0;
   int is_held = 0;
+#if FRAY_CRACKS
+  for (; t < count && world_is_corotational(w); ++t) is_held |= force_corotational(&view, t);
+#endif
   while (t < count) {
     t += simd_membrane_force(w->kernel, &view, t, count);
     if (t < count) is_held |= force_triangle(&view, t++);

@@ -66,7 +66,7 @@ void membrane_gains_update(fray_world *w) {
     const int32_t gain = fx_mul_round(area, w->membrane.constants->force_gain, 30);
     for (uint32_t n = 0; n < MATERIAL_ENTRIES; ++n)
       c[n] = fx_mul_saturated(c[n], gain, shift);
-    w->membrane.strain_threshold[t] = threshold_of(w, t, c);
+    w->membrane.strain_threshold[t] = world_is_corotational(w) ? STRAIN_LAW_MAX : threshold_of(w, t, c);
   }
   bend_prepare(w);
 }

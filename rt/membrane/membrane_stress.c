@@ -7,8 +7,9 @@
  *   c        stiffness at the smoothed strain (2.59)           Q12 N/m   material_stiffness()
  *   stress   c G (2.60), times membrane_softening(), Q30       Q12 N/m   material_stress()
  *
- * (Karaoz 2015.) c stays in `gains` until membrane_gains_update() makes gains of it, with which
+ * (Karaoz 2015.) Of an isotropic sheet it is T of corotational.h. c stays in `gains` until membrane_gains_update() makes gains of it, with which
  * membrane_force.c computes the force in each elastic step. */
+#include "rt/membrane/corotational.h"
 #include "rt/membrane/membrane.h"
 #include "rt/simd/simd.h"
 #include "rt/state/deformation.h"
@@ -27,6 +28,27 @@ static material_tensor smooth_strain(smoothed_strain *s, material_tensor strain,
   return s->mean[SMOOTHED_STRAIN_POLES - 1];
 }
 
+static void soften(material_tensor *stress, int32_t softening) {
+  if (softening == 1 << 30) return;
+  stress->uu = fx_mul_round(stress->uu, softening, 30);
+  stress->vv = fx_mul_round(stress->vv, softening, 30);
+  stress->uv = fx_mul_round(stress->uv, softening, 30);
+}
+
+#if FRAY_CRACKS
+/* c is the same at any strain, so none is smoothed. */
+static void stress_corotational(const fray_world *w, uint32_t t) {
+  const deformation d = deformation_of(w, t);
+  int32_t *c = w->membrane.gains[t].c;
+  material_tensor counted;
+  for (uint32_t n = 0; n < MATERIAL_ENTRIES; ++n)
+    c[n] = w->membrane.materials[w->trimesh.material[t]].stretch[0][n];
+  (void)corotational_stress(c, material_strain(d.u, d.v), &counted);
+  w->membrane.stress[t] = material_stress(c, counted);
+  soften(&w->membrane.stress[t], membrane_softening(w, t));
+}
+#endif
+
 static void stress_triangle(const fray_world *w, uint32_t t) {
   FRAY_ASSERT(w->trimesh.area[t] > 0 && w->trimesh.material[t] < w->trimesh.params->materials);
   const deformation d = deformation_of(w, t);
@@ -38,10 +60,7 @@ static void stress_triangle(const fray_world *w, uint32_t t) {
   material_stiffness(&w->membrane.materials[w->trimesh.material[t]],
                      smooth_strain(&w->membrane.smoothed_strains[t], strain, shift), c);
   *stress = material_stress(c, strain);
-  if (softening == 1 << 30) return;
-  stress->uu = fx_mul_round(stress->uu, softening, 30);
-  stress->vv = fx_mul_round(stress->vv, softening, 30);
-  stress->uv = fx_mul_round(stress->uv, softening, 30);
+  soften(stress, softening);
 }
 
 void membrane_stress_update(fray_world *w) {
@@ -54,6 +73,9 @@ void membrane_stress_update(fray_world *w) {
   const uint32_t count = triangles_in_use(w);
   uint32_t t = 0;
   FRAY_ASSERT(count <= w->capacity[POOL_TRIANGLES]);
+#if FRAY_CRACKS
+  for (; t < count && world_is_corotational(w); ++t) stress_corotational(w, t);
+#endif
   while (t < count) {
     t += simd_membrane_stress(w->kernel, &view, t, count);
     if (t < count) stress_triangle(w, t++);

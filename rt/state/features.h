@@ -21,6 +21,9 @@
 #ifndef FRAY_TRIANGLE_COLLISION
 #define FRAY_TRIANGLE_COLLISION (FRAY_TRIANGLES && FRAY_MESHES) /* self-collision of the membrane */
 #endif
+#ifndef FRAY_CRACKS
+#define FRAY_CRACKS FRAY_TRIANGLES /* isotropic sheets: their law, their cracks */
+#endif
 
 typedef struct {
   uint8_t membrane; /* the world is a membrane; else it is woven */
@@ -28,6 +31,8 @@ typedef struct {
   uint8_t elastic_yarns, rigid_meshes, yarn_collision, triangle_collision;
   uint8_t shear_lock; /* diagonals of woven cloth have a least length */
   uint8_t blades;   /* rigid meshes cut the membrane */
+  uint8_t cracks;   /* an isotropic sheet breaks */
+  uint8_t corotational; /* the membrane is isotropic: membrane/corotational.h */
 } world_features;
 
 #endif

@@ -11,6 +11,7 @@
 #include "rt/state/membrane_params.h"
 #include "rt/state/contact_constraint.h"
 #include "rt/state/contact_list.h"
+#include "rt/state/crack.h"
 #include "rt/state/bend_plate.h"
 #include "rt/state/elastic_step.h"
 #include "rt/state/energy_ledger.h"
@@ -50,6 +51,8 @@ typedef enum {
   POOLS_IN_HEADER,
   POOL_PATCHES = POOLS_IN_HEADER, /* of triangle self-collision, and pairs of these: by POOL_TRIANGLES */
   POOL_PATCH_PAIRS,
+  POOL_COROTATIONAL, /* 1 iff the membrane is isotropic, else 0: a feature of the header */
+  POOL_CRACKS, /* 1 iff it breaks, in the same way */
   POOL_YARN_CONTACTS, /* crossings that can split: one a spare particle, in worlds with yarns */
   POOLS
 } pool_name;
@@ -114,9 +117,11 @@ typedef struct {
   const material_table *materials;
   const tear_strength *tear_strengths;
   const blade_params *blades;      /* of worlds with blades */
+  const crack_params *crack_constants; /* of worlds with cracks */
   /* state */
   smoothed_strain *smoothed_strains; /* of a triangle */
   bend_state *bend_states;         /* of a triangle */
+  crack_state *cracks;             /* of worlds with cracks */
   /* follows from the mesh */
   bend_shape *bend_shapes;         /* of a triangle */
   /* of one tick */
@@ -148,6 +153,8 @@ typedef struct {
   limited_edge *limited_edges; /* of a substep */
   uint32_t limited_edge_count;
   uint8_t *passing_blade;          /* vertex -> 1: all of its triangles pass a blade */
+  uint32_t *averaged;              /* triangle -> the last average of this tick that it is in */
+  uint32_t averages;
   uint8_t *near_blade;             /* triangle -> 1: passing a blade, and near a sharp mesh in this tick */
 } membrane_state;
 
@@ -315,6 +322,8 @@ static inline void world_find_features(fray_world *w) {
   w->features.yarn_collision = pool[POOL_YARN_PAIRS] != 0;
   w->features.triangle_collision = pool[POOL_TRIANGLE_PAIRS] != 0;
   w->features.blades = pool[POOL_BLADES] != 0;
+  w->features.cracks = pool[POOL_CRACKS] != 0;
+  w->features.corotational = pool[POOL_COROTATIONAL] != 0;
 }
 
 static inline int world_has_membrane(const fray_world *w) { return FRAY_TRIANGLES && w->features.membrane; }
@@ -329,6 +338,12 @@ static inline int world_has_yarn_collision(const fray_world *w) {
 }
 static inline int world_has_triangle_collision(const fray_world *w) {
   return FRAY_TRIANGLE_COLLISION && w->features.triangle_collision;
+}
+static inline int world_is_corotational(const fray_world *w) {
+  return FRAY_CRACKS && FRAY_TRIANGLES && w->features.corotational;
+}
+static inline int world_has_cracks(const fray_world *w) {
+  return FRAY_CRACKS && FRAY_TRIANGLES && w->features.cracks;
 }
 static inline int world_has_blades(const fray_world *w) {
   return FRAY_MESHES && FRAY_TRIANGLES && w->features.blades;

@@ -19,14 +19,6 @@ typedef struct {
  * height. */
 enum { FOR_TEAR = 0, FOR_CUT = 1 };
 
-/* The vertex at the end of ring edge n; an open ring has one more of them than triangles. */
-static uint32_t ring_end(const trimesh *s, const trimesh_ring *ring, uint32_t n) {
-  FRAY_ASSERT(n <= ring->count);
-  if (n < ring->count) return s->triangle[ring->triangle[n]].v[trimesh_next(ring->corner[n])];
-  if (ring->closed != 0) return ring_end(s, ring, 0);
-  return s->triangle[ring->triangle[n - 1u]].v[trimesh_previous(ring->corner[n - 1u])];
-}
-
 static int64_t cross(trimesh_point from, trimesh_point to, int32_t du, int32_t dv) {
   return fx_add64(fx_mul_wide(fx_sub(to.u, from.u), dv), -fx_mul_wide(fx_sub(to.v, from.v), du));
 }
@@ -44,8 +36,8 @@ int trimesh_ray_along(const trimesh *s, const trimesh_ring *ring, trimesh_point 
                     int32_t dv, trimesh_ray *ray) {
   FRAY_ASSERT(ring->count > 0 && ring->count <= TRIMESH_RING_MAX);
   for (uint32_t n = 0; n < ring->count; ++n) {
-    const int64_t before = cross(centre, trimesh_at(s, ring_end(s, ring, n)), du, dv);
-    const int64_t after = -cross(centre, trimesh_at(s, ring_end(s, ring, n + 1u)), du, dv);
+    const int64_t before = cross(centre, trimesh_at(s, trimesh_ring_end(s, ring, n)), du, dv);
+    const int64_t after = -cross(centre, trimesh_at(s, trimesh_ring_end(s, ring, n + 1u)), du, dv);
     if (before < 0 || after <= 0) continue;
     ray->n = n;
     ray->fraction = fraction_of((uint64_t)before, (uint64_t)after);
@@ -65,7 +57,7 @@ static void begin_plan(plan *p, uint32_t min_quality, trimesh_point centre) {
 static int can_open(const fray_world *w, const plan *p, uint32_t n) {
   const trimesh *s = &w->trimesh;
   if (p->ring.closed == 0 && (n == 0 || n >= p->ring.count)) return 0;
-  const uint32_t end = ring_end(s, &p->ring, n);
+  const uint32_t end = trimesh_ring_end(s, &p->ring, n);
   return !(particle_is_attached(w, end) && trimesh_is_boundary(s, end));
 }
 
@@ -88,8 +80,8 @@ static int can_divide(const fray_world *w, const plan *p, uint32_t n, uint32_t f
   const trimesh *s = &w->trimesh;
   const uint32_t t = p->ring.triangle[n];
   const uint32_t k = p->ring.corner[n];
-  const trimesh_point a = trimesh_at(s, ring_end(s, &p->ring, n));
-  const trimesh_point b = trimesh_at(s, ring_end(s, &p->ring, n + 1u));
+  const trimesh_point a = trimesh_at(s, trimesh_ring_end(s, &p->ring, n));
+  const trimesh_point b = trimesh_at(s, trimesh_ring_end(s, &p->ring, n + 1u));
   const trimesh_point at = trimesh_point_on(a, b, fraction);
   const uint32_t other = trimesh_neighbour(s, t, k);
   if (p->ring.count + RAYS > TRIMESH_RING_MAX || !trimesh_has_area(s, t) || !is_undivided(s, p, n, other))
@@ -105,15 +97,15 @@ static int can_divide(const fray_world *w, const plan *p, uint32_t n, uint32_t f
 
 static int has_ray_along(const fray_world *w, const plan *p, uint32_t n) {
   for (uint32_t m = 0; m < p->rays; ++m)
-    if (p->ray[m].fraction == 0 && p->ends[m][0] == ring_end(&w->trimesh, &p->ring, n)) return 1;
+    if (p->ray[m].fraction == 0 && p->ends[m][0] == trimesh_ring_end(&w->trimesh, &p->ring, n)) return 1;
   return 0;
 }
 
 static void append_ray(const fray_world *w, plan *p, uint32_t n, uint32_t fraction) {
   FRAY_ASSERT(p->rays < RAYS && n <= p->ring.count && fraction < TRIMESH_WEIGHT_ONE);
   const trimesh_ray ray = {n, fraction};
-  p->ends[p->rays][0] = ring_end(&w->trimesh, &p->ring, n);
-  p->ends[p->rays][1] = fraction == 0 ? TRIMESH_NONE : ring_end(&w->trimesh, &p->ring, n + 1u);
+  p->ends[p->rays][0] = trimesh_ring_end(&w->trimesh, &p->ring, n);
+  p->ends[p->rays][1] = fraction == 0 ? TRIMESH_NONE : trimesh_ring_end(&w->trimesh, &p->ring, n + 1u);
   p->ray[p->rays++] = ray;
 }
 
@@ -167,14 +159,13 @@ static trimesh_result check_pools(const fray_world *w, const plan *p, uint32_t e
 
 /* ---- its execution ---- */
 
-static void open_edge_to(fray_world *w, uint32_t vertex, uint32_t end, trimesh_mark mark) {
+trimesh_result trimesh_open_to(fray_world *w, uint32_t vertex, uint32_t end, trimesh_mark mark) {
   trimesh_ring ring;
   trimesh_ring_of(&w->trimesh, vertex, &ring);
   for (uint32_t n = ring.closed != 0 ? 0 : 1; n < ring.count; ++n)
-    if (ring_end(&w->trimesh, &ring, n) == end) {
-      (void)trimesh_open_edge(w, ring.triangle[n], trimesh_previous(ring.corner[n]), mark);
-      return;
-    }
+    if (trimesh_ring_end(&w->trimesh, &ring, n) == end)
+      return trimesh_open_edge(w, ring.triangle[n], trimesh_previous(ring.corner[n]), mark);
+  return TRIMESH_NO_PATH;
 }
 
 /* Divides the edge between the ends of two ring edges; returns the new vertex. */
@@ -184,7 +175,7 @@ static uint32_t divide_edge_between(fray_world *w, uint32_t vertex, const uint32
   uint32_t added = TRIMESH_NONE;
   trimesh_ring_of(&w->trimesh, vertex, &ring);
   for (uint32_t n = 0; n < ring.count; ++n)
-    if (ring_end(&w->trimesh, &ring, n) == ends[0] && ring_end(&w->trimesh, &ring, n + 1u) == ends[1]) {
+    if (trimesh_ring_end(&w->trimesh, &ring, n) == ends[0] && trimesh_ring_end(&w->trimesh, &ring, n + 1u) == ends[1]) {
       (void)trimesh_divide_edge(w, ring.triangle[n], ring.corner[n], fraction, &added);
       break;
     }
@@ -196,7 +187,7 @@ static void open_ray(fray_world *w, uint32_t centre, uint32_t end, trimesh_mark 
                      trimesh_cut_vertices *cut) {
   const int on_boundary = trimesh_is_boundary(&w->trimesh, end);
   const uint32_t before = w->p.count;
-  open_edge_to(w, centre, end, mark);
+  (void)trimesh_open_to(w, centre, end, mark);
   if (on_boundary && w->p.count != before) cut->vertex[cut->count++] = end;
   for (uint32_t p = before; p < w->p.count; ++p) cut->vertex[cut->count++] = p;
 }

@@ -52,8 +52,21 @@ typedef enum { TRIMESH_FITS_NOT = 0, TRIMESH_FITS_ALONG_EDGE, TRIMESH_FITS } tri
 trimesh_fit trimesh_can_split(const fray_world *w, uint32_t vertex, const trimesh_ray *from,
                           const trimesh_ray *to);
 
+/* The vertex at the end of ring edge n; an open ring has one more of them than triangles. */
+static inline uint32_t trimesh_ring_end(const trimesh *s, const trimesh_ring *ring, uint32_t n) {
+  FRAY_ASSERT(n <= ring->count);
+  if (n == 0 || n < ring->count || ring->closed != 0) {
+    const uint32_t m = n < ring->count ? n : 0;
+    return s->triangle[ring->triangle[m]].v[trimesh_next(ring->corner[m])];
+  }
+  return s->triangle[ring->triangle[n - 1u]].v[trimesh_previous(ring->corner[n - 1u])];
+}
+
 /* Opens edge k, which has a neighbour: an end on the boundary becomes two vertices. */
 trimesh_result trimesh_open_edge(fray_world *w, uint32_t t, uint32_t k, trimesh_mark mark);
+
+/* The same for the edge between two vertices. */
+trimesh_result trimesh_open_to(fray_world *w, uint32_t vertex, uint32_t end, trimesh_mark mark);
 
 /* The ring has room for so many triangles more. */
 int trimesh_ring_has_room(const trimesh *s, uint32_t vertex, uint32_t added);

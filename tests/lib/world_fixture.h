@@ -162,7 +162,7 @@ FIXTURE int fixture_within_bound(const fray_work *k, const fray_work *most) {
          k->over_threshold <= most->over_threshold && k->tears <= most->tears && k->slips <= most->slips &&
          k->yarn_forces <= most->yarn_forces &&
          k->transitions <= most->transitions && k->splits <= most->splits &&
-         k->tear_candidates <= most->tear_candidates && k->element_forces <= most->element_forces && k->bend_forces <= most->bend_forces &&
+         k->tear_candidates <= most->tear_candidates && k->eigenvalues <= most->eigenvalues && k->element_forces <= most->element_forces && k->bend_forces <= most->bend_forces &&
          k->self_box_tests <= most->self_box_tests && k->self_pairs <= most->self_pairs &&
          k->self_ccd <= most->self_ccd && k->self_merged <= most->self_merged &&
          k->mesh_tests <= most->mesh_tests && k->mesh_boxes <= most->mesh_boxes &&

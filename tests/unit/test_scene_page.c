@@ -186,6 +186,7 @@ static scene parsed;
 static int parses(const block_rule *rule, const char *shape, const char *key, const char *text) {
   static const char *const of_membranes[] = {"wind", "load", "spare_triangles", NULL};
   static const char *const of_free[] = {"mass", "velocity", NULL};
+  static const char *const of_sheets[] = {"poisson", "thickness", "breaks", "average", "cracks", NULL};
   static const char *const is_material[] = {"density", "base", NULL};
   static char inside[2 * CELL];
   static char all[4 * CELL];
@@ -201,8 +202,10 @@ static int parses(const block_rule *rule, const char *shape, const char *key, co
     snprintf(all, sizeof all,
              "scene s\nmembrane { columns 4 rows 4 cell 1 cm material m }\nmaterial m {\n%s%s%s}\n", inside,
              is_one_of(key, is_material) ? "" : " density 200 g/m2\n",
-             strcmp(key, "isotropic") == 0 || strcmp(key, "base") == 0 || strcmp(key, "stretch") == 0
+             strcmp(key, "isotropic") == 0 || strcmp(key, "base") == 0 || strcmp(key, "stretch") == 0 ||
+                     strcmp(key, "young") == 0
                  ? ""
+             : is_one_of(key, of_sheets) ? " young 1 GPa\n"
                  : " isotropic 1000 N/m 0.3\n");
   else if (strcmp(rule->name, "body") == 0)
     snprintf(all, sizeof all, "scene s\n%s\n%s b {\n%s%s%s%s}\n", cloth, shape, inside,

@@ -114,6 +114,8 @@ static void plan(const draft *d, const planar_mesh *m, uint32_t capacity[POOLS])
   capacity[POOL_TRIANGLE_PAIRS] = !s->woven.self_collision              ? 0
                                   : s->limits.self_collision_pairs != 0 ? s->limits.self_collision_pairs
                                                                         : 16u * m->triangles;
+  capacity[POOL_COROTATIONAL] = s->membrane.cloth.corotational != 0;
+  capacity[POOL_CRACKS] = s->membrane.cloth.breaks.numerator != 0;
   capacity[POOL_BLADES] = s->membrane.cloth.has_cut_speed && d->meshes.head.meshes > 0;
 }
 

@@ -128,6 +128,9 @@ static exact strength_of(const material_spec *f) {
 static exact faster_torn(const scene *s, exact stiffest) {
   const exact max = strength_of(&s->membrane.cloth);
   exact l = s->membrane.strain_limit;
+  /* its slope does not grow, but for a triangle that is drawn far one way and pressed flat the other */
+  if (s->membrane.cloth.corotational)
+    return exact_compare(s->membrane.cloth.poisson, exact_make(2, 5)) > 0 ? exact_make(11, 10) : exact_make(1, 1);
   if (max.numerator == 0 && l.numerator == 0) return exact_make(1, 1);
   if (l.numerator == 0) l = exact_div(max, stiffest);
   if (!exact_valid(l)) l = exact_div(rounded_up(max), rounded_up(stiffest));
@@ -137,7 +140,7 @@ static exact faster_torn(const scene *s, exact stiffest) {
 /* Of other cloth, which loads draw: the factor of its steps that lets strain_law.h begin beyond that. */
 static exact faster_loaded(const scene *s) {
   const exact max = strength_of(&s->membrane.cloth);
-  if (s->load_count == 0 || max.numerator != 0 || s->membrane.strain_limit.numerator != 0)
+  if (s->membrane.cloth.corotational || s->load_count == 0 || max.numerator != 0 || s->membrane.strain_limit.numerator != 0)
     return exact_make(1, 1);
   return faster_drawn(loaded_strain(s));
 }
@@ -253,7 +256,8 @@ static int fill_tear_strength(const draft *d, tear_strength *t) {
   for (uint32_t n = 0; n < TEAR_STRENGTH_DIRECTIONS; ++n)
     if (!draft_fixed_point(
             d, number_of(d, "tear", UNIT_STIFFNESS, exact_mul(from->strength[n], exact_make(1000, 1))),
-            from->strength[n], 12, 0, MAX_TEAR_STRENGTH, &t->strength[n]))
+            from->corotational ? exact_mul(from->strength[n], d->stiffness) : from->strength[n], 12, 0,
+            MAX_TEAR_STRENGTH, &t->strength[n]))
       return 0;
   return draft_fixed_point(d, number_of(d, "tear_interval", UNIT_TIME, from->tear_interval),
                            exact_mul(from->tear_interval, exact_make((int64_t)d->scene->rate_hz, 1)), 0, 0,
@@ -269,6 +273,27 @@ static int fill_blades(const draft *d, blade_params *b) {
   b->tears_max = (int32_t)d->scene->limits.tears_per_tick;
   return draft_fixed_point(d, number_of(d, "cut_speed", UNIT_SPEED, from->cut_speed), a_tick, 24, 0,
                            BLADE_SPEED_MAX, &b->speed[0]);
+}
+
+/* Strength as stiffness is scaled; the length is at least two cells, and at most what
+ * STRESS_AVERAGE_TRIANGLES cover: a circle of pi 32 cells. */
+static int fill_cracks(const draft *d, crack_params *c) {
+  const material_spec *from = &d->scene->membrane.cloth;
+  const exact *cell = d->scene->membrane.cell;
+  const exact least = exact_mul(larger(cell[0], cell[1]), exact_make(2, 1));
+  const exact length = from->average.numerator != 0 ? from->average : least;
+  const exact strength = exact_mul(exact_mul(from->breaks, from->thickness), exact_make(1, 100));
+  const exact most = exact_mul(exact_mul(cell[0], cell[1]), exact_make(32, 1));
+  c->many = from->many_cracks;
+  if (exact_compare(length, least) < 0 || exact_compare(exact_mul(length, length), most) > 0) {
+    const char *key = "average";
+    const uint32_t block = draft_material(d, &key);
+    return draft_expected(d, block, key, "a length of 2 to 5 cells");
+  }
+  return draft_fixed_point(d, number_of(d, "breaks", UNIT_PRESSURE, from->breaks),
+                           exact_mul(strength, d->stiffness), 12, 1, MAX_TEAR_STRENGTH, &c->breaks) &&
+         draft_fixed_point(d, number_of(d, "average", UNIT_LENGTH, length), exact_mul(length, d->lu_per_cm), 24,
+                           1 << 10, CRACK_AVERAGE_MAX, &c->average);
 }
 
 /* value = mantissa * 2^-shift, with 31 bits. */
@@ -510,6 +535,7 @@ int draft_membrane_params(draft *d, fray_world *w) {
     return 0;
   if (!fill_material(d, WRITABLE(material_table, w->membrane.materials)) ||
       !fill_tear_strength(d, WRITABLE(tear_strength, w->membrane.tear_strengths)) ||
+      (world_has_cracks(w) && !fill_cracks(d, WRITABLE(crack_params, w->membrane.crack_constants))) ||
       (world_has_blades(w) && !fill_blades(d, WRITABLE(blade_params, w->membrane.blades))))
     return 0;
   c->steps = (int32_t)d->elastic_steps;

@@ -128,7 +128,9 @@ uint32_t draft_material(const draft *d, const char **key) {
   }
   const uint32_t block = BLOCK_MATERIAL + n;
   if (source_find(&s->source, block, *key) != NULL) return block;
-  const int isotropic = strcmp(*key, "stretch") == 0 && source_find(&s->source, block, "isotropic") != NULL;
-  *key = isotropic ? "isotropic" : source_find(&s->source, block, "base") != NULL ? "base" : *key;
+  const int is_stretch = strcmp(*key, "stretch") == 0;
+  *key = is_stretch && source_find(&s->source, block, "isotropic") != NULL ? "isotropic"
+         : is_stretch && s->materials[n].cloth.corotational                 ? "young"
+         : source_find(&s->source, block, "base") != NULL ? "base" : *key;
   return block;
 }

@@ -42,7 +42,7 @@ static int never_tears(const scene *s) {
   if (!s->membrane.present) return 0;
   for (int n = 0; n < TEAR_STRENGTH_DIRECTIONS; n++)
     if (!is_zero(s->membrane.cloth.strength[n])) return 0;
-  return 1;
+  return is_zero(s->membrane.cloth.breaks);
 }
 static int stays_whole(const scene *s) { return never_tears(s) && is_never_cut(s); }
 static int spares_are_idle(const scene *s) {

@@ -111,6 +111,42 @@ static int read_cut_speed(parser *p, const block_key *key, void *target) {
   return value_read_exacts(p, &key->range, 1, &cloth->cut_speed);
 }
 
+/* young 3 GPa, poisson 0.3, thickness 0.1 mm: an isotropic sheet, without `isotropic` or `stretch`. */
+static int is_of_sheet(const char *key) {
+  static const char *const all[] = {"young", "poisson", "thickness", "breaks", "average", "cracks"};
+  for (uint32_t n = 0; n < sizeof all / sizeof all[0]; n++)
+    if (strcmp(key, all[n]) == 0) return 1;
+  return 0;
+}
+
+static int read_cracks(parser *p, const block_key *key, void *target) {
+  static const char *const words[] = {"one", "many"};
+  (void)key;
+  return value_read_choice(p, words, 2, &((scene_material *)target)->cloth.many_cracks);
+}
+
+static int resolve_sheet(parser *p, scene_material *m) {
+  static const char *const others[] = {"base", "isotropic", "stretch", "tear"};
+  const scene_source *s = &p->out->source;
+  const source_key *young = source_find(s, p->block, "young");
+  if (young == NULL) {
+    for (uint32_t n = 0; n < s->count; n++)
+      if (s->keys[n].block == p->block && is_of_sheet(s->keys[n].key))
+        return parser_fail(p, s->keys[n].place, "found '%s' without 'young', expected both", s->keys[n].key);
+    return 1;
+  }
+  for (uint32_t n = 0; n < sizeof others / sizeof others[0]; n++) {
+    const source_key *other = source_find(s, p->block, others[n]);
+    if (other != NULL && (strcmp(others[n], "tear") != 0 || m->cloth.breaks.numerator != 0))
+      return parser_fail(p, young->place, "found 'young' beside '%s' of line %d, expected one of them", others[n],
+                         other->place.line);
+  }
+  m->cloth.corotational = 1;
+  material_table_isotropic(exact_mul(m->cloth.young, exact_mul(m->cloth.thickness, exact_make(1, 100))),
+                           m->cloth.poisson, &m->cloth);
+  return 1;
+}
+
 static const block_key keys[] = {
     {"tear", read_tear, 0, {UNIT_STIFFNESS, "1", "8000000"}, 4, 0},
     {"cut_speed", read_cut_speed, 0, {UNIT_SPEED, "0", "100000"}, 1, 0},
@@ -129,6 +165,12 @@ static const block_key keys[] = {
      0},
     {"isotropic", read_isotropic, 0, {UNIT_STIFFNESS, "1", "1000000000000"}, 1, 0},
     {"stretch", read_stretch, 0, {UNIT_STIFFNESS, "-1000000000000", "1000000000000"}, 4, KEY_REPEATS},
+    {"young", block_exacts, offsetof(scene_material, cloth.young), {UNIT_PRESSURE, "1", "1000000000000"}, 1, 0},
+    {"poisson", block_exacts, offsetof(scene_material, cloth.poisson), {UNIT_NONE, "0", "0.499"}, 1, 0},
+    {"thickness", block_exacts, offsetof(scene_material, cloth.thickness), {UNIT_LENGTH, "0.0001", "1"}, 1, 0},
+    {"breaks", block_exacts, offsetof(scene_material, cloth.breaks), {UNIT_PRESSURE, "1", "1000000000000"}, 1, 0},
+    {"average", block_exacts, offsetof(scene_material, cloth.average), {UNIT_LENGTH, "0.001", "100"}, 1, 0},
+    {"cracks", read_cracks, 0, NO_RANGE, 0, 0},
     {"bend", read_bend, 0, {UNIT_BENDING, "0", "0.0019"}, 5, KEY_REPEATS},
 };
 const block_rule material_rule = {"material", keys, sizeof keys / sizeof keys[0]};
@@ -148,6 +190,10 @@ int material_block_read(parser *p, const block_key *key, void *target) {
   material_table_bend(zero, &m->cloth);
   material_table_never_tear(&m->cloth);
   m->stretch_rows = m->bend_rows = 0;
+  m->cloth.young = zero;
+  m->cloth.many_cracks = 0;
+  m->cloth.poisson = exact_make(3, 10);
+  m->cloth.thickness = exact_make(1, 100);
   const scene_place name = parser_here(p);
   if (!value_read_name(p, m->name)) return 0;
   for (uint32_t n = 0; n < out->material_count; n++)
@@ -156,7 +202,7 @@ int material_block_read(parser *p, const block_key *key, void *target) {
                          out->source.block[BLOCK_MATERIAL + n].line);
   snprintf(title, sizeof title, "material '%s'", m->name);
   block_open(p, BLOCK_MATERIAL + out->material_count);
-  if (!block_read(p, &material_rule, title, opened, m, &seen)) return 0;
+  if (!block_read(p, &material_rule, title, opened, m, &seen) || !resolve_sheet(p, m)) return 0;
   if (m->cloth.density.numerator == 0)
     return parser_fail(p, opened, "%s has no 'density', expected one", title);
   out->material_count++;

@@ -96,6 +96,8 @@ void material_table_never_tear(material_spec *f) {
   f->tear_interval = exact_make(0, 1);
   f->has_cut_speed = 0;
   f->cut_speed = exact_make(0, 1);
+  f->corotational = 0;
+  f->breaks = f->average = exact_make(0, 1);
 }
 
 int material_table_find(const char *name, material_spec *f) {

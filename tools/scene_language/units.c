@@ -50,6 +50,10 @@ static const unit table[] = {
     {UNIT_BENDING, "Nm", 1, 1, 1},
     {UNIT_BENDING, "mNm", 1, 1000, 0},
     {UNIT_BENDING, "uNm", 1, 1000000, 0},
+    {UNIT_PRESSURE, "Pa", 1, 1, 1},
+    {UNIT_PRESSURE, "kPa", 1000, 1, 0},
+    {UNIT_PRESSURE, "MPa", 1000000, 1, 0},
+    {UNIT_PRESSURE, "GPa", 1000000000, 1, 0},
 };
 
 enum { UNITS = sizeof table / sizeof table[0] };
@@ -83,6 +87,7 @@ const char *units_quantity_name(unit_quantity quantity) {
     case UNIT_SHARE: return "share";
     case UNIT_ANGLE: return "angle";
     case UNIT_BENDING: return "bending stiffness";
+    case UNIT_PRESSURE: return "pressure";
   }
   return "?";
 }

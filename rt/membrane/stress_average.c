@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* stress_average.h has the contract. Triangles are found across their edges, so none beyond a crack counts.
+ *
+ *   middle     sum of the corners, from three times the vertex, Q24 lu: its square over that of 3 radius is r^2
+ *   weight     Q30 lu^2, below 2^27
+ *   sums       stress times weight, of 256: below 2^61 */
+#include "rt/membrane/stress_average.h"
+
+#if FRAY_CRACKS
+
+typedef struct {
+  fray_world *w;
+  trimesh_point centre;
+  uint64_t reach;  /* the square of 3 radius */
+  unsigned shift;  /* so that it fits 31 bits */
+  uint32_t mark, count;
+  index_t found[STRESS_AVERAGE_TRIANGLES];
+} average_search;
+
+void stress_average_begin(fray_world *w) {
+  FRAY_ASSERT(world_has_cracks(w));
+  w->membrane.averages = 0;
+  for (uint32_t t = 0; t < w->capacity[POOL_TRIANGLES]; ++t) w->membrane.averaged[t] = 0;
+}
+
+/* r^2, Q30; above 1 beyond the radius. */
+static uint32_t distance_of(const average_search *a, uint32_t t) {
+  const trimesh *s = &a->w->trimesh;
+  const index_t *v = s->triangle[t].v;
+  const int64_t u = (int64_t)s->u[v[0]] + s->u[v[1]] + s->u[v[2]] - 3 * (int64_t)a->centre.u;
+  const int64_t w = (int64_t)s->v[v[0]] + s->v[v[1]] + s->v[v[2]] - 3 * (int64_t)a->centre.v;
+  const uint64_t squared = fx_square(fx_saturate(u)) + fx_square(fx_saturate(w));
+  if (squared >= a->reach) return UINT32_MAX;
+  return fx_divide_wide(squared >> a->shift << 30, (uint32_t)(a->reach >> a->shift));
+}
+
+static void find(average_search *a, uint32_t t) {
+  if (a->count == STRESS_AVERAGE_TRIANGLES || a->w->membrane.averaged[t] == a->mark) return;
+  a->w->membrane.averaged[t] = a->mark;
+  a->found[a->count++] = (index_t)t;
+}
+
+static void find_around(average_search *a, uint32_t vertex) {
+  const trimesh *s = &a->w->trimesh;
+  trimesh_ring ring;
+  trimesh_ring_of(s, vertex, &ring);
+  for (uint32_t n = 0; n < ring.count; ++n) find(a, ring.triangle[n]);
+  for (uint32_t n = 0; n < a->count; ++n)
+    for (uint32_t k = 0; k < 3; ++k) {
+      const uint32_t other = trimesh_neighbour(s, a->found[n], k);
+      if (other != TRIMESH_NONE && distance_of(a, other) != UINT32_MAX) find(a, other);
+    }
+}
+
+static int32_t mean_stress(int64_t sum, uint64_t weight) {
+  unsigned shift = 0;
+  while (weight >> shift >= (uint64_t)1 << 31) ++shift;
+  const uint64_t size = sum < 0 ? (uint64_t)-sum : (uint64_t)sum;
+  const int32_t mean = (int32_t)fx_divide_wide(size >> shift, (uint32_t)(weight >> shift));
+  return sum < 0 ? -mean : mean;
+}
+
+static int32_t held(int32_t stress) { return fx_clamp(stress, -STRESS_AVERAGE_MAX, STRESS_AVERAGE_MAX); }
+
+sym2 stress_average(fray_world *w, uint32_t vertex, int32_t radius) {
+  average_search a = {w, trimesh_at(&w->trimesh, vertex), 9 * fx_square(radius), 0, ++w->membrane.averages, 0, {0}};
+  int64_t sum[3] = {0, 0, 0};
+  uint64_t weights = 0;
+  sym2 mean = {0, 0, 0};
+  FRAY_ASSERT(radius > 0);
+  while (a.reach >> a.shift >= (uint64_t)1 << 31) ++a.shift;
+  find_around(&a, vertex);
+  for (uint32_t n = 0; n < a.count; ++n) {
+    const uint32_t t = a.found[n];
+    const uint32_t squared = distance_of(&a, t);
+    if (squared >= 1u << 30) continue;
+    const uint32_t left = (1u << 30) - squared;
+    const uint64_t share = fx_mul_wide_u(left, left) >> 30;
+    const int32_t weight = (int32_t)(share * w->trimesh.area[t] >> 30);
+    const material_tensor *stress = &w->membrane.stress[t];
+    sum[0] = fx_add64(sum[0], fx_mul_wide(held(stress->uu), weight));
+    sum[1] = fx_add64(sum[1], fx_mul_wide(held(stress->vv), weight));
+    sum[2] = fx_add64(sum[2], fx_mul_wide(held(stress->uv), weight));
+    weights += (uint32_t)weight;
+  }
+  if (weights == 0) return mean;
+  mean.xx = mean_stress(sum[0], weights);
+  mean.yy = mean_stress(sum[1], weights);
+  mean.xy = mean_stress(sum[2], weights);
+  return mean;
+}
+
+#endif

@@ -1,0 +1,374 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Cracks of isotropic sheets: principal values; a notched strip, drawn along the warp, cracks across it on any mesh, at
+ * the same force; what snaps leave behind; tips are all that is looked at. `all`: finer meshes. */
+#include "tests/lib/test.h"
+
+#include "rt/base/sym2.h"
+#include "rt/membrane/membrane.h"
+#include "rt/membrane/stress_average.h"
+#include "rt/trimesh/trimesh_advance.h"
+#include "tests/lib/bare_membrane.h"
+#include "tests/lib/image_mend.h"
+#include "tests/lib/trimesh_check.h"
+#include "tests/lib/world_fixture.h"
+
+static const double degrees = 180 / 3.14159265358979323846;
+static int all;
+
+static void principal_values(void) {
+  enum { SAMPLES = 1000000 / TEST_FEWER };
+  uint64_t seed = 3;
+  double value = 0, direction = 0;
+  for (uint32_t n = 0; n < SAMPLES; ++n) {
+    const int32_t most = 1 << (14 + bare_below(&seed, 13));
+    const sym2 m = {bare_between(&seed, -most, most), bare_between(&seed, -most, most), bare_between(&seed, -most, most)};
+    const double x = ((double)m.xx - m.yy) / 2, half = hypot(x, m.xy), major = ((double)m.xx + m.yy) / 2 + half;
+    const sym2_eigen e = sym2_eigen_of(m);
+    if (half < 4096) continue; /* below 1 N/m a unit is more than a thousandth */
+    const double off = fabs(remainder(atan2(e.sine, e.cosine) - atan2(m.xy, x), 2 * 180 / degrees)) / 2 * degrees;
+    value = fmax(value, fabs(e.major - major) / fmax(fabs(major), half));
+    direction = fmax(direction, off);
+  }
+  printf("figure crack_principal_value %.2g (asked: at most 1e-3), direction %.2g degrees (asked: at most 0.5)\n", value,
+         direction);
+  CHECK(value <= 1e-3 && direction <= 0.5);
+}
+
+/* ---- the mesh ---- */
+
+static double least_angle(const trimesh *s, uint32_t t) {
+  double least = 180;
+  for (uint32_t k = 0; k < 3; ++k) {
+    const trimesh_point a = trimesh_at(s, s->triangle[t].v[k]);
+    const trimesh_point b = trimesh_at(s, s->triangle[t].v[trimesh_next(k)]);
+    const trimesh_point c = trimesh_at(s, s->triangle[t].v[trimesh_previous(k)]);
+    const double angle = fabs(atan2((double)b.v - a.v, (double)b.u - a.u) - atan2((double)c.v - a.v, (double)c.u - a.u));
+    least = fmin(least, (angle > 3.14159265358979 ? 2 * 3.14159265358979323846 - angle : angle) * degrees);
+  }
+  return least;
+}
+
+static double least_of_all(const trimesh *s) {
+  double least = 180;
+  for (uint32_t t = 0; t < (uint32_t)s->state->triangles; ++t) least = fmin(least, least_angle(s, t));
+  return least;
+}
+
+/* Random snaps and advances keep a mesh whole, its sums exact, and no angle gets below 15 degrees. */
+static void snaps_leave_stout_triangles(void) {
+  enum { SNAPS = 10000 / TEST_FEWER };
+  uint64_t seed = 11;
+  uint32_t snaps = 0, advances = 0, bad = 0, changed = 0;
+  double least = 180, below = 0, area = 0;
+  for (uint32_t sheet = 0; snaps < SNAPS && sheet < 4000; ++sheet) {
+    CLOSED_BY(bare_close) bare_membrane b = {0};
+    bare_open(&b, (bare_mesh)(sheet % BARE_MESHES), 12, 10, 120, 120, seed);
+    fray_world *w = &b.w;
+    trimesh_check k;
+    trimesh_check_open(&k, w);
+    const double had = least_of_all(&w->trimesh);
+    for (uint32_t n = 0; n < 120; ++n) {
+      bare_membrane before;
+      bare_copy(&before, &b);
+      const uint32_t vertex = bare_below(&seed, w->p.count);
+      trimesh_ring ring;
+      trimesh_ring_of(&w->trimesh, vertex, &ring);
+      trimesh_step step;
+      const int is_snap = bare_below(&seed, 4) != 0;
+      const uint32_t to = trimesh_ring_end(&w->trimesh, &ring, bare_below(&seed, ring.count));
+      const trimesh_result result =
+          is_snap ? trimesh_snap(w, vertex, to, bare_below(&seed, TRIMESH_WEIGHT_ONE + 1))
+                  : trimesh_advance(w, vertex, bare_between(&seed, -(1 << 30), 1 << 30), bare_between(&seed, -(1 << 30), 1 << 30),
+                                    TRIMESH_TORN, &step);
+      if (result == TRIMESH_DONE) {
+        trimesh_check_now(&k, w);
+        snaps += is_snap || step.way == TRIMESH_SNAPPED;
+        advances += !is_snap;
+      } else {
+        changed += !bare_is_same(&before, &b);
+      }
+      bare_close(&before);
+    }
+    bad += k.bad;
+    area = fmax(area, k.worst_area);
+    least = fmin(least, least_of_all(&w->trimesh));
+    below = fmax(below, fmin(had, 15) - least_of_all(&w->trimesh));
+  }
+  printf("figure crack_snaps %u, %u advances; least angle %.2f degrees, %.3f below 15 or what the mesh had (asked: at most 0.01); "
+         "areas off %.1f units\n", snaps, advances, least, below, area);
+  CHECK_EQ_INT(bad, 0);
+  CHECK_EQ_INT(changed, 0);
+  CHECK(snaps >= SNAPS && advances > SNAPS / 20 && below <= 0.01);
+}
+
+/* ---- a strip ---- */
+
+typedef struct {
+  const char *pattern;
+  int columns;      /* cells of a width of 10 cm; the strip is 16 cm long */
+  double slant;     /* of the notch, degrees */
+} strip;
+
+typedef struct {
+  double angle, force; /* of the fitted line, degrees; tension of the strip over the stress at the
+                          tip, of a crack of half its width */
+  double made;                 /* by cracks, of what was stored before */
+  double triangles, least;     /* new ones an edge; degrees */
+  uint32_t edges, extra;       /* eigenvalues beside those of tips */
+  uint32_t bad;
+} outcome;
+
+static void strip_open(fixture *f, const strip *s) {
+  fixture_print(f,
+                "scene strip\nrate 1000 Hz\ngravity 0 0 0 cm/s2\nmembrane {\n columns %d\n rows %d\n cell %g cm\n pattern %s\n"
+                " material sheet\n drag 300 /s\n elastic_steps_max 200\n}\nmaterial sheet {\n density 200 g/m2\n young 4 MPa\n thickness 0.2 mm\n"
+                " breaks 2 kPa\n average 10 mm\n tear_interval %d ms\n}\npin row bottom\npin row top by b\n"
+                "sphere b {\n radius 1 cm\n at 0 20 0 cm\n move path { 0 s 0 20 0 cm  0.05 s 0 20.15 0 cm }\n}\nlimits { contacts 0 }\n",
+                s->columns, s->columns * 8 / 5, 10.0 / s->columns, s->pattern, 60);
+}
+
+/* The vertex on the left border nearest to the middle, and from there a notch of 3 cm. */
+static uint32_t notch(fixture *f, const strip *s) {
+  fray_world *w = f->w;
+  const trimesh *m = &w->trimesh;
+  const double lu = fixture_lu_cm(f) * 0x1p-24;
+  uint32_t tip = TRIMESH_NONE;
+  int32_t left = INT32_MAX, low = INT32_MAX, high = INT32_MIN;
+  for (uint32_t p = 0; p < w->p.count; ++p) {
+    left = m->u[p] < left ? m->u[p] : left;
+    low = m->v[p] < low ? m->v[p] : low;
+    high = m->v[p] > high ? m->v[p] : high;
+  }
+  const int32_t middle = low + (high - low) / 2;
+  for (uint32_t p = 0; p < w->p.count; ++p)
+    if (trimesh_is_boundary(m, p) && m->u[p] < left + (1 << 12) &&
+        (tip == TRIMESH_NONE || abs(m->v[p] - middle) < abs(m->v[tip] - middle)))
+      tip = p;
+  const double from[2] = {m->u[tip] * lu, m->v[tip] * lu};
+  const double way[2] = {cos(s->slant / degrees), sin(s->slant / degrees)};
+  for (;;) {
+    const double gone = hypot(m->u[tip] * lu - from[0], m->v[tip] * lu - from[1]);
+    if (gone >= 3 - 5.0 / s->columns) return tip;
+    const double goal[2] = {from[0] + 10 * way[0] - m->u[tip] * lu, from[1] + 10 * way[1] - m->v[tip] * lu};
+    const double length = hypot(goal[0], goal[1]);
+    trimesh_step step;
+    if (trimesh_advance(w, tip, (int32_t)(goal[0] / length * 0x1p30), (int32_t)(goal[1] / length * 0x1p30), TRIMESH_CUT,
+                        &step) != TRIMESH_DONE) {
+      printf("notch ends at %g cm\n", gone);
+      CHECK(!"the notch is cut");
+      return tip;
+    }
+    tip = step.end;
+  }
+}
+
+/* Tension over the width, N/m, of the triangles below the upper end. */
+static double tension(const fixture *f) {
+  const trimesh *m = &f->w->trimesh;
+  const double lu = fixture_lu_cm(f) * 0x1p-24;
+  double sum = 0, area = 0, top = -1e9;
+  for (uint32_t p = 0; p < f->w->p.count; ++p) top = fmax(top, m->v[p] * lu);
+  for (uint32_t t = 0; t < (uint32_t)m->state->triangles; ++t) {
+    const index_t *v = m->triangle[t].v;
+    const double y = ((double)m->v[v[0]] + m->v[v[1]] + m->v[v[2]]) / 3 * lu;
+    if (y < top - 3.5 || y > top - 1) continue;
+    sum += (double)f->w->membrane.stress[t].vv / 4096 * m->area[t];
+    area += m->area[t];
+  }
+  return sum / area;
+}
+
+/* Of the straight line through points, at x = 0; *slope is its slope. */
+static double fit_line(const double *x, const double *y, uint32_t count, double *slope) {
+  double sx = 0, sy = 0, sxx = 0, sxy = 0;
+  for (uint32_t n = 0; n < count; ++n) {
+    sx += x[n];
+    sy += y[n];
+    sxx += x[n] * x[n];
+    sxy += x[n] * y[n];
+  }
+  *slope = (count * sxy - sx * sy) / (count * sxx - sx * sx);
+  return (sy - *slope * sx) / count;
+}
+
+/* The tip that has gone farthest; a crack may begin before the notch, and goes back to it too. */
+static uint32_t foremost(const fray_world *w, uint32_t at) {
+  const crack_state *c = w->membrane.cracks;
+  uint32_t best = at;
+  for (int32_t n = 0; n < c->tips; ++n)
+    if (best == at || w->trimesh.u[c->tip[n].vertex] > w->trimesh.u[best]) best = (uint32_t)c->tip[n].vertex;
+  return best;
+}
+
+static outcome run_strip(const strip *s) {
+  enum { POINTS = 200 };
+  fixture_scoped f = {0};
+  outcome o = {0};
+  double x[POINTS], y[POINTS], force[POINTS], reach[POINTS];
+  uint32_t points = 0, forces = 0;
+  strip_open(&f, s);
+  fray_world *w = f.w;
+  const double lu = fixture_lu_cm(&f) * 0x1p-24;
+  const uint32_t at = notch(&f, s);
+  double left = 1e9;
+  for (uint32_t p = 0; p < w->p.count; ++p) left = fmin(left, w->trimesh.u[p] * lu);
+  const uint32_t triangles = (uint32_t)w->trimesh.state->triangles;
+  trimesh_check k;
+  trimesh_check_open(&k, w);
+  w->trimesh.state->tear_cooldown[0] = 120;
+  fray_energy_watch(w);
+  double stored = 0;
+  x[0] = w->trimesh.u[at] * lu - left;
+  y[0] = w->trimesh.v[at] * lu;
+  points = 1;
+  for (uint32_t tick = 0; tick < 60u * (uint32_t)s->columns + 400; ++tick) {
+    const crack_state *c = w->membrane.cracks;
+    const uint32_t tip = foremost(w, at);
+    const int goes_on = w->trimesh.state->tear_cooldown[0] == 0;
+    const uint32_t tips = (uint32_t)c->tips;
+    const int begun = c->begun;
+    double critical = 0;
+    if (goes_on && (begun == 0 || tips != 0)) {
+      stress_average_begin(w);
+      critical = tension(&f) / (sym2_eigen_of(stress_average(w, tip, w->membrane.crack_constants->average)).major / 4096.0);
+    }
+    const fray_output out = fixture_tick(&f, &fixture_idle);
+    const fray_energy_account e = fray_energy(w);
+    if (begun == 0) stored = (double)e.stored[FRAY_STORED_STRETCH] + (double)e.stored[FRAY_STORED_SHEAR];
+    else o.made = fmax(o.made, ((double)e.made[FRAY_ENERGY_TEARS] - (double)e.lost[FRAY_ENERGY_TEARS]) / stored);
+    if (begun) o.extra += out.work.eigenvalues > tips;
+    if (out.work.tears == 0) continue;
+    uint64_t area;
+    trimesh_check_sums(w, &area, k.momentum); /* motion changes it */
+    trimesh_check_now(&k, w);
+    ++o.edges;
+    if (c->tips == 0) break;
+    const uint32_t now = foremost(w, at);
+    if (now == tip) continue;
+    const double before = x[points - 1];
+    if (before > 3.5 && before < 7) {
+      reach[forces] = before;
+      force[forces++] = critical;
+    }
+    x[points] = w->trimesh.u[now] * lu - left;
+    y[points] = w->trimesh.v[now] * lu;
+    if (x[points] > 9 || ++points == POINTS) break;
+  }
+  double slope;
+  (void)fit_line(x, y, points, &slope);
+  o.angle = atan(slope) * degrees;
+  o.force = fit_line(reach, force, forces, &slope);
+  o.force += slope * 5;
+  o.triangles = ((double)w->trimesh.state->triangles - triangles) / o.edges;
+  o.least = least_of_all(&w->trimesh);
+  o.bad += k.bad;
+  CHECK(points > (uint32_t)s->columns / 4);
+  return o;
+}
+
+static void strips_crack_straight_at_one_force(void) {
+  static const char *const patterns[] = {"regular", "rotated 15 deg", "rotated 30 deg", "irregular 3"};
+  double low = 1e9, high = 0, triangles = 0;
+  uint32_t edges = 0;
+  for (int columns = 20; columns <= (all ? 40 : 20); columns += 10)
+    for (uint32_t n = 0; n < 4; ++n) {
+      const strip s = {patterns[n], columns, 0};
+      const outcome o = run_strip(&s);
+      const double asked = columns == 40 ? 0.5 : 1.5;
+      printf("figure crack_strip W/%d %-15s %+.2f degrees (asked: %.1f), force %.4f of sigma_E, %u edges, %.2f new triangles each, "
+             "least angle %.1f, made %.2g of what was stored (asked: at most 0.02)\n", columns, patterns[n], o.angle, asked, o.force, o.edges, o.triangles, o.least, o.made);
+      CHECK(fabs(o.angle) <= asked);
+      triangles += o.triangles * o.edges;
+      edges += o.edges;
+      CHECK(o.made <= 0.02);
+      CHECK_EQ_INT(o.extra, 0);
+      CHECK_EQ_INT(o.bad, 0);
+      low = fmin(low, o.force);
+      high = fmax(high, o.force);
+    }
+  printf("figure crack_force %.4f to %.4f of sigma_E, %.1f %% apart (asked: at most 15)\n", low, high, (high / low - 1) * 100);
+  printf("figure crack_new_triangles %.3f an edge, of %u (asked: at most 0.3)\n", triangles / edges, edges);
+  CHECK(high <= 1.15 * low);
+  CHECK(triangles <= 0.3 * edges);
+}
+
+/* ---- state ---- */
+
+/* Two slits, one from each side. */
+static void slits_open(fixture *f, const char *cracks) {
+  fixture_print(f, "scene slits\nrate 1000 Hz\ngravity 0 0 0 cm/s2\nmembrane {\n columns 12\n rows 18\n cell 5 mm\n material sheet\n drag 60 /s\n}\n"
+                   "material sheet {\n density 200 g/m2\n young 4 MPa\n thickness 0.2 mm\n breaks 200 kPa\n cracks %s\n tear_interval 3 ms\n}\n"
+                   "slit row 5 0 5\nslit row 13 8 12\npin row bottom\npin row top by b\nsphere b {\n radius 1 cm\n at 0 20 0 cm\n"
+                   " move path { 0 s 0 20 0 cm  0.2 s 0 21 0 cm }\n}\nlimits { contacts 0 }\n", cracks);
+}
+
+/* Saved between two edges of a crack and opened, and with the scalar kernel, it goes on with the same hashes. */
+static void a_saved_crack_goes_on(void) {
+  fixture_scoped f = {0}, copy = {0};
+  uint32_t differ = 0, ticks = 0;
+  slits_open(&f, "one");
+  while (f.w->trimesh.state->allocated < 12 && ++ticks < 400) (void)fixture_tick(&f, &fixture_idle);
+  CHECK(f.w->membrane.cracks->begun == 1 && f.w->membrane.cracks->tips > 0);
+  fixture_copy(&copy, &f);
+  fray_set_kernel(copy.w, FRAY_KERNEL_SCALAR);
+  for (uint32_t tick = 0; tick < 60; ++tick) {
+    const fray_output a = fixture_tick(&f, &fixture_idle), b = fixture_tick(&copy, &fixture_idle);
+    differ += a.hash != b.hash;
+  }
+  CHECK_EQ_INT(differ, 0);
+  CHECK(fixture_topology_holds(f.w));
+}
+
+static void one_crack_or_many(void) {
+  static const char *const words[] = {"one", "many"};
+  uint32_t cracks[2], over = 0;
+  for (uint32_t n = 0; n < 2; ++n) {
+    fixture_scoped f = {0};
+    slits_open(&f, words[n]);
+    const fray_work most = fray_work_bound(f.w);
+    uint32_t beginnings = 0;
+    for (uint32_t tick = 0; tick < 400; ++tick) {
+      const int32_t tips = f.w->membrane.cracks->tips;
+      const fray_output out = fixture_tick(&f, &fixture_idle);
+      over += !fixture_within_bound(&out.work, &most);
+      beginnings += f.w->membrane.cracks->tips > tips;
+      CHECK_EQ_INT(out.faults, 0);
+    }
+    cracks[n] = beginnings;
+  }
+  printf("figure crack_beginnings %u with `cracks one` (asked: 1), %u with `cracks many` (asked: at least 2)\n", (unsigned)cracks[0], (unsigned)cracks[1]);
+  CHECK(cracks[0] == 1 && cracks[1] >= 2);
+  CHECK_EQ_INT(over, 0);
+}
+
+static void bad_tips_are_refused(void) {
+  static const struct {
+    uint32_t section, word;
+    int32_t value;
+  } cases[] = {{IMAGE_CRACK_PARAMS, 0, 0}, {IMAGE_CRACK_PARAMS, 1, 0}, {IMAGE_CRACK_PARAMS, 2, 2}, {IMAGE_CRACK_STATE, 0, 2},
+               {IMAGE_CRACK_STATE, 1, CRACK_TIPS + 1}, {IMAGE_CRACK_STATE, 2, 1}, {IMAGE_CRACK_STATE, 4, -1}};
+  fixture_scoped f = {0};
+  slits_open(&f, "one");
+  for (uint32_t n = 0; n < sizeof cases / sizeof cases[0]; ++n) {
+    fray_error error = {FRAY_OK, 0, 0, ""};
+    uint8_t *place = image_mend_section(f.image, cases[n].section) + 4 * cases[n].word;
+    const uint32_t was = bytes_load32(place);
+    bytes_store32(place, (uint32_t)cases[n].value);
+    CHECK_EQ_INT(image_mend_open(f.image, f.image_bytes, f.memory, f.memory_bytes, &f.w, &error), FRAY_BAD_FIELD);
+    CHECK_EQ_INT(error.section, cases[n].section);
+    bytes_store32(place, was);
+  }
+  CHECK_EQ_INT(image_mend_open(f.image, f.image_bytes, f.memory, f.memory_bytes, &f.w, NULL), FRAY_OK);
+}
+
+int main(int argc, char **argv) {
+  setvbuf(stdout, NULL, _IOLBF, 0);
+  all = argc > 1 && strcmp(argv[1], "all") == 0;
+  TEST(principal_values);
+  TEST(snaps_leave_stout_triangles);
+  TEST(bad_tips_are_refused);
+  TEST(a_saved_crack_goes_on);
+  TEST(one_crack_or_many);
+  TEST(strips_crack_straight_at_one_force);
+  return test_end();
+}
