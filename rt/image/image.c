@@ -39,11 +39,19 @@ static int is_left_out(const image_array *a, const uint32_t capacity[POOLS]) {
 static int is_saved(const image_array *a, const uint32_t capacity[POOLS]) {
   return a->id != 0 && !is_left_out(a, capacity);
 }
-enum { IMAGE_VERSION = FRAY_IMAGE_MAJOR << 16 | FRAY_IMAGE_MINOR };
-_Static_assert(IMAGE_VERSION == 3u << 16, "the version that messages name");
+enum { IMAGE_VERSION = FRAY_IMAGE_MAJOR << 16, IMAGE_VERSION_HANDLES = IMAGE_VERSION | 1 };
+_Static_assert(IMAGE_VERSION == 3u << 16 && FRAY_IMAGE_MINOR == 1u, "the versions that messages name");
 
 static uint32_t features_of(const uint32_t capacity[POOLS]) {
-  return short_ids(capacity) ? (uint32_t)IMAGE_SHORT_IDS : 0u;
+  uint32_t features = short_ids(capacity) ? (uint32_t)IMAGE_SHORT_IDS : 0u;
+#if FRAY_HANDLES
+  if (capacity[POOL_HANDLES] != 0) features |= IMAGE_HANDLES;
+#endif
+  return features;
+}
+/* The oldest version that has what the image needs. */
+static uint32_t version_of(uint32_t features) {
+  return (features & IMAGE_HANDLES) != 0 ? (uint32_t)IMAGE_VERSION_HANDLES : (uint32_t)IMAGE_VERSION;
 }
 static uint32_t elements(const image_array *a, const uint32_t capacity[POOLS]) {
   FRAY_ASSERT(a->pool < POOLS);
@@ -125,10 +133,13 @@ static fray_status check_version(const uint8_t *image, fray_error *error) {
   const uint32_t version = bytes_load32(image + 4 * IMAGE_VERSION_WORD);
   if (bytes_load32(image) != IMAGE_MAGIC)
     return image_refuse(error, FRAY_BAD_MAGIC, 0, 0, "the bytes FRAY");
-  if (version == IMAGE_VERSION) return FRAY_OK;
+  if (version == version_of(bytes_load32(image + 4 * IMAGE_FEATURES_WORD))) return FRAY_OK;
+  if (version == IMAGE_VERSION || version == IMAGE_VERSION_HANDLES)
+    return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_FEATURES_WORD,
+                        "image version 3.1 with handles, 3.0 without");
   return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD,
                       version >> 16 == 2u ? "image version 3.0; version 2 needs fray 0.3 or 0.4"
-                                          : "image version 3.0");
+                                          : "image version 3.0 or 3.1");
 }
 
 /* What the options of this build leave out. */
@@ -145,6 +156,9 @@ static fray_status check_options(const uint8_t *image, fray_error *error) {
   if (!FRAY_TRIANGLE_COLLISION && header_capacity(image, POOL_TRIANGLE_PAIRS) != 0)
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_CAPACITY_WORD + POOL_TRIANGLE_PAIRS,
                         "a build with self-collision of membranes (FRAY_TRIANGLE_COLLISION)");
+  if (!FRAY_HANDLES && (bytes_load32(image + 4 * IMAGE_FEATURES_WORD) & IMAGE_HANDLES) != 0)
+    return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_FEATURES_WORD,
+                        "a build with handles (FRAY_HANDLES)");
   if (!FRAY_MESHES &&
       (header_capacity(image, POOL_RIGID_MESH_WORDS) | header_capacity(image, POOL_BLADES)) != 0)
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_CAPACITY_WORD + POOL_RIGID_MESH_WORDS,
@@ -167,8 +181,11 @@ static fray_status read_header(const uint8_t *image, size_t bytes, uint32_t capa
       return image_refuse(error, FRAY_BAD_FIELD, 0, IMAGE_CAPACITY_WORD + p,
                           "a capacity in its range");
   }
-  derive_pools(capacity);
   const uint32_t features = bytes_load32(image + 4 * IMAGE_FEATURES_WORD);
+  derive_pools(capacity);
+#if FRAY_HANDLES
+  capacity[POOL_HANDLES] = (features & IMAGE_HANDLES) != 0 ? FRAY_HANDS : 0;
+#endif
   if (features != features_of(capacity))
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_FEATURES_WORD,
                         "the features of its capacities, short ids where they fit");
@@ -344,7 +361,7 @@ size_t fray_save(const fray_world *world, void *buffer, size_t buffer_bytes) {
     save_array(a, image_pointer(world, a), stored, image + offset, count);
   }
   bytes_store32(image, IMAGE_MAGIC);
-  bytes_store32(image + 4 * IMAGE_VERSION_WORD, IMAGE_VERSION);
+  bytes_store32(image + 4 * IMAGE_VERSION_WORD, version_of(features_of(world->capacity)));
   bytes_store32(image + 4 * IMAGE_BYTES_WORD, length);
   bytes_store32(image + 4 * IMAGE_FEATURES_WORD, features_of(world->capacity));
   bytes_store32(image + 4 * IMAGE_SECTIONS_WORD, entry);

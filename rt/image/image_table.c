@@ -117,6 +117,14 @@ const image_array image_arrays[] = {
 #endif
     SHEET(IMAGE_BEND_STATES, ROLE_STATE, KIND_WORD, POOL_TRIANGLES, BEND_STATE_WORDS, membrane.bend_states),
     YARN(IMAGE_YARN_CONTACTS, ROLE_STATE, KIND_WORD, POOL_YARN_CONTACTS, YARN_CONTACT_WORDS, woven.contacts),
+#if FRAY_HANDLES
+    {"handles", IMAGE_HANDLE_PARAMS, ROLE_CONSTANT, KIND_WORD, POOL_HANDLES, POOL_HANDLES, HANDLE_PARAM_WORDS,
+     AT(handles.params)},
+    {"handle_states", IMAGE_HANDLE_STATES, ROLE_STATE, KIND_WORD, POOL_HANDLES, POOL_HANDLES,
+     HANDLE_STATE_WORDS, AT(handles.states)},
+    {"handle_motion", 0, ROLE_TICK, KIND_STRUCT, POOL_HANDLES, POOL_HANDLES, sizeof(handle_motion),
+     AT(handles.motion)},
+#endif
     TICK(POOL_PARTICLES, int32_t, p.qx),
     TICK(POOL_PARTICLES, int32_t, p.qy),
     TICK(POOL_PARTICLES, int32_t, p.qz),

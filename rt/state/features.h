@@ -21,6 +21,9 @@
 #ifndef FRAY_TRIANGLE_COLLISION
 #define FRAY_TRIANGLE_COLLISION (FRAY_TRIANGLES && FRAY_MESHES) /* self-collision of the membrane */
 #endif
+#ifndef FRAY_HANDLES
+#define FRAY_HANDLES (FRAY_TRIANGLES && FRAY_MESHES) /* bodies with mass between a hand and a membrane */
+#endif
 
 typedef struct {
   uint8_t membrane; /* the world is a membrane; else it is woven */

@@ -114,6 +114,7 @@ static void plan(const draft *d, const planar_mesh *m, uint32_t capacity[POOLS])
   capacity[POOL_TRIANGLE_PAIRS] = !s->woven.self_collision              ? 0
                                   : s->limits.self_collision_pairs != 0 ? s->limits.self_collision_pairs
                                                                         : 16u * m->triangles;
+  capacity[POOL_HANDLES] = draft_has_handles(d) ? FRAY_HANDS : 0;
   capacity[POOL_BLADES] = s->membrane.cloth.has_cut_speed && d->meshes.head.meshes > 0;
 }
 
@@ -233,6 +234,7 @@ int draft_membrane(draft *d, void **memory, fray_world **world) {
     w->p.count = m.points;
     good = draft_fill_bodies(d, w) && fill_vertices(d, &m, w) && fill_triangles(d, &m, w) &&
            draft_params(d, WRITABLE(params, w->params)) && draft_membrane_params(d, w);
+    if (good && world_has_handles(w)) good = draft_handles(d, w);
     if (good && world_has_triangle_collision(w)) good = fill_triangle_collision(d, w);
     if (good) {
       draft_rigid_mesh_fill(d, WRITABLE(int32_t, w->rigid.mesh_words));
