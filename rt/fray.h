@@ -24,7 +24,7 @@ extern "C" {
 
 #define FRAY_VERSION "0.5.0"
 #define FRAY_IMAGE_MAJOR 3u
-#define FRAY_IMAGE_MINOR 1u
+#define FRAY_IMAGE_MINOR 1u /* the newest: an image says the oldest that has what it needs */
 
 enum { FRAY_HANDS = 2 };
 
@@ -53,8 +53,7 @@ typedef struct {
 
 enum { FRAY_ALIGN = 16 };
 
-/* Bytes of memory that fray_open() needs for this image. Errors: as of fray_open(), from the header alone,
- * which says nothing of whether the image is whole.
+/* Bytes of memory that fray_open() needs for this image. Errors: as of fray_open(), from the header alone.
  * NULL: `image` or `bytes` is FRAY_BAD_ARGUMENT; error may be NULL. Cost: constant. */
 fray_status fray_memory_size(const void *image, size_t image_bytes, size_t *bytes, fray_error *error);
 
@@ -67,12 +66,8 @@ fray_status fray_open(const void *image, size_t image_bytes, void *memory, size_
                       fray_world **world, fray_error *error);
 
 /* The code path of the hot loops: same bits, other speed. A world begins with SCALAR. */
-typedef enum {
-  FRAY_KERNEL_SCALAR = 0,
-  FRAY_KERNEL_AVX2 = 1,
-  FRAY_KERNEL_AVX512 = 2, /* F, BW, DQ, VL */
-  FRAY_KERNEL_NEON = 3,
-  FRAY_KERNEL_HELIUM = 4
+typedef enum { /* AVX512: F, BW, DQ, VL */
+  FRAY_KERNEL_SCALAR, FRAY_KERNEL_AVX2, FRAY_KERNEL_AVX512, FRAY_KERNEL_NEON, FRAY_KERNEL_HELIUM
 } fray_kernel;
 /* Returns 1, or 0 where this build lacks the kernel; the world then keeps its kernel. The caller knows
  * whether the processor has the instructions (platform/linux/cpu.h asks it). Cost: constant. */
@@ -159,11 +154,8 @@ enum { FRAY_FAULTS(FRAY_FAULT_VALUE) FRAY_FAULTS_ALL = FRAY_FAULTS(FRAY_FAULT_OR
 #undef FRAY_FAULT_VALUE
 #undef FRAY_FAULT_OR
 
-typedef enum {
-  FRAY_RESULT_OK = 0,
-  FRAY_RESULT_REFUSED = 1, /* the command does not apply in this state */
-  FRAY_RESULT_UNKNOWN = 2  /* no such command */
-} fray_result;
+/* Refused: the command does not apply in this state. */
+typedef enum { FRAY_RESULT_OK = 0, FRAY_RESULT_REFUSED = 1, FRAY_RESULT_UNKNOWN = 2 } fray_result;
 
 /* Counted work of one tick. */
 typedef struct {
@@ -253,6 +245,7 @@ fray_work fray_work_bound(const fray_world *world);
   X(FRAY_STORED_SHEAR, "shear") \
   X(FRAY_STORED_BEND, "bend") \
   X(FRAY_STORED_YARNS, "yarns")       /* elastic yarns */ \
+  X(FRAY_STORED_HANDLES, "handles")   /* springs of handles */ \
   X(FRAY_STORED_POTENTIAL, "potential") /* of free particles and bodies against the origin */
 #define FRAY_ENERGY_SUPPLY_ROWS(X) \
   X(FRAY_SUPPLIED_WIND, "wind") \
@@ -417,7 +410,7 @@ typedef enum {
 typedef enum { FRAY_FIXED = 0, FRAY_PATH = 1, FRAY_HAND = 2, FRAY_FREE = 3 } fray_motion;
 typedef struct {
   fray_shape shape;
-  fray_motion motion;
+  fray_motion motion;  /* FRAY_HAND: also of a handle, fray_view_handle() */
   uint32_t hand;       /* of FRAY_HAND: 0 left, 1 right */
   int32_t radius;      /* Q24 lu: of a sphere, a capsule; 0 of other shapes */
   int32_t half[3];     /* Q24 lu: half sizes of a box; half[0] is a capsule's half length */
@@ -437,18 +430,24 @@ typedef struct {
                            bit k: it is the first face of its edge k */
 } fray_mesh;
 
+/* A handle: a body with mass that spring and damper draw to the proxy of its device. Energies: from START. */
+typedef struct {
+  uint32_t body;
+  int32_t proxy[3];                /* Q24 lu */
+  int64_t given_nj, given_most_nj; /* to the device, and the most that it was; below 0: it gave more */
+  int64_t taken_nj;                /* by the passivity controller, which goes by the sum of both hands */
+} fray_handle;
+
 /* The yarns of a crossing (Metaaphanon 2009, section 3.3). A whole crossing is one particle; a split one
  * is a weft and a warp particle, each with half the mass. */
 typedef enum {
-  FRAY_WHOLE = 0,
-  FRAY_CONNECTED = 1,   /* split, held together: all-yarn cloth only */
+  FRAY_WHOLE = 0, FRAY_CONNECTED = 1, /* split, held together: all-yarn cloth only */
   FRAY_LOOSE = 2,       /* the yarns slide along each other */
   FRAY_DISCONNECTED = 3 /* the yarns have come apart for good */
 } fray_crossing_state;
 typedef enum { FRAY_WEFT = 0, FRAY_WARP = 1 } fray_axis;
 
-/* A triangle of a membrane: vertices are particles, anticlockwise in rest coordinates; edge k is opposite
- * vertex k. */
+/* A triangle of a membrane: vertices are particles, anticlockwise at rest; edge k is opposite vertex k. */
 typedef enum { FRAY_EDGE_INTACT = 0, FRAY_EDGE_TORN = 1, FRAY_EDGE_CUT = 2 } fray_edge;
 typedef struct {
   uint32_t vertex[3];
@@ -477,8 +476,7 @@ fray_weave fray_view_weave(const fray_world *world);
 fray_spring fray_view_spring(const fray_world *world, fray_spring_kind kind, uint32_t spring);
 /* Woven worlds. crossing < warps x wefts. Cost: constant. */
 fray_crossing_state fray_crossing_state_at(const fray_world *world, uint32_t crossing);
-/* The particle of a crossing; of a split one that of the weft. Woven worlds; crossing < warps x wefts. Cost:
- * constant. */
+/* Its particle; of a split one that of the weft. Woven worlds; crossing < warps x wefts. Cost: constant. */
 uint32_t fray_crossing_particle(const fray_world *world, uint32_t crossing);
 /* The particle of a yarn at a crossing. Woven worlds; crossing < warps x wefts. Cost: constant. */
 uint32_t fray_yarn_particle(const fray_world *world, uint32_t crossing, fray_axis axis);
@@ -489,6 +487,8 @@ fray_body fray_view_body(const fray_world *world, uint32_t body);
 /* Returns 0 where the body is no mesh; *mesh is then empty. body < fray_get_info().bodies. Cost: linear in
  * the meshes of the world. */
 int fray_view_mesh(const fray_world *world, uint32_t body, fray_mesh *mesh);
+/* Returns 0 where the hand moves no handle; *handle is then untouched. hand < FRAY_HANDS. Cost: constant. */
+int fray_view_handle(const fray_world *world, uint32_t hand, fray_handle *handle);
 /* Membranes. triangle < fray_get_info().triangles. Cost: a few hundred instructions. */
 fray_triangle fray_view_triangle(const fray_world *world, uint32_t triangle);
 /* Returns 0 past the last pool; *pool is then untouched. index: any, from 0. Cost: linear in the pools. */

@@ -17,7 +17,8 @@ static wide_number kinetic_of(const fray_world *w, const energy_stored *e) {
 
 static wide_number total_of(const fray_world *w, const energy_stored *e) {
   const wide_number moving = wide_add(wide_add(kinetic_of(w, e), e->bodies), e->potential);
-  return wide_add(moving, wide_add(wide_add(e->stretch, e->shear), wide_add(e->bend, e->yarns)));
+  const wide_number coupled = wide_add(moving, e->handles);
+  return wide_add(coupled, wide_add(wide_add(e->stretch, e->shear), wide_add(e->bend, e->yarns)));
 }
 
 static int is_driven(const fray_world *w, uint32_t b) {
@@ -179,7 +180,7 @@ fray_energy_account fray_energy(const fray_world *w) {
   const energy_ledger *l = &w->energy;
   const energy_stored *e = &l->last;
   const wide_number stored[FRAY_ENERGY_STORES] = {
-      kinetic_of(w, e), e->bodies, e->stretch, e->shear, e->bend, e->yarns, e->potential};
+      kinetic_of(w, e), e->bodies, e->stretch, e->shear, e->bend, e->yarns, e->handles, e->potential};
   fray_energy_account a;
   bytes_zero(&a, sizeof a);
   if (!l->begun) return a;

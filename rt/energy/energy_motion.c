@@ -75,6 +75,34 @@ static uint32_t elastic_steps(const fray_world *w) {
   return world_has_elastic_yarns(w) ? 1u << (uint32_t)w->woven.elastic_params->steps_bits : 1u;
 }
 
+/* The spring of a handle: k e (d - e / 2), where d is the way to its proxy and e what of it counts;
+ * and half of velocity times its impulse, as of particles. It weighs nothing. Returns 1 iff the
+ * body is one. */
+static int add_handle(const fray_world *w, uint32_t b, energy_stored *e) {
+#if FRAY_HANDLES
+  const uint32_t h = (uint32_t)w->rigid.bodies[b].hand;
+  if (!world_has_handles(w) || (uint32_t)w->handles.params[h].body != b) return 0;
+  const handle_params *k = &w->handles.params[h];
+  const handle_motion *m = &w->handles.motion[h];
+  const body_state *s = &w->rigid.states[b];
+  for (uint32_t n = 0; n < 3; ++n) {
+    const int64_t q28 = (int64_t)s->position[n] * (1 << FX_SUB_BITS) + s->remainder[n];
+    const int32_t extension = handle_extension(m->at[n], q28);
+    const wide_number area = wide_sub(wide_product(extension, m->at[n] - q28, 2u * FX_VELOCITY_BITS),
+                                      wide_product(extension, extension, 2u * FX_VELOCITY_BITS + 1u));
+    const int64_t stiffness = (int64_t)k->spring * w->membrane.constants->steps;
+    const wide_number form =
+        wide_product(handle_spring_impulse(k, extension), s->velocity[n], 2u * FX_VELOCITY_BITS + 1u);
+    e->handles = wide_add(e->handles, wide_times(area, stiffness, HANDLE_GAIN_BITS));
+    e->bodies = wide_add(e->bodies, form);
+  }
+  return 1;
+#else
+  (void)w, (void)b, (void)e;
+  return 0;
+#endif
+}
+
 /* A free body, of 2^30 / mass_ratio masses; what cloth gained from it since its last substep is
  * taken off. */
 static void add_body(const fray_world *w, uint32_t b, energy_stored *e) {
@@ -97,6 +125,7 @@ static void add_body(const fray_world *w, uint32_t b, energy_stored *e) {
     at[n] = wide_product(q28, mass, FX_VELOCITY_BITS + 20u);
   }
   e->bodies = wide_add(e->bodies, wide_shift_down(wide_times(squares, mass, 20), 1));
+  if (add_handle(w, b, e)) return;
   add_potential(w, at, speed, world_has_membrane(w) ? elastic_steps(w) : 1u, e);
 }
 
@@ -113,7 +142,7 @@ static void measure_held(const fray_world *w, energy_stored *e) {
 void energy_measure_motion(const fray_world *w, energy_stored *e) {
   const wide_number nothing = {0, 0};
   motion_sums s = {nothing, {nothing, nothing, nothing}, {nothing, nothing, nothing}};
-  e->bodies = e->potential = nothing;
+  e->bodies = e->handles = e->potential = nothing;
   for (uint32_t p = particles_attached(w); p < w->p.count; ++p) add_particle(w, p, &s);
   e->motion = wide_shift_down(s.squares, 1);
   add_potential(w, s.at, s.speed, elastic_steps(w), e);

@@ -4,6 +4,8 @@
  * (integrate/bodies.c) reaches in its substeps. */
 #include "rt/haptics/haptics.h"
 
+#include "rt/haptics/handle_proxy.h"
+
 static int hand_used(const fray_world *w, uint32_t h) {
   return ((uint32_t)w->params->hands >> h & 1u) != 0;
 }
@@ -104,6 +106,7 @@ static void change_state(fray_world *w, const fray_input *input) {
     s->mode = FRAY_OPERATIONAL;
     s->starting = 0;
     take_datum(w);
+    if (world_has_handles(w)) handle_proxies_start(w);
   }
   if (s->mode == FRAY_OPERATIONAL) latch_stale(w);
 }
@@ -119,12 +122,6 @@ static void move_ramp(fray_world *w) {
   s->ramp = fx_clamp(s->ramp + (up ? step : -step), 0, 65536);
 }
 
-static int32_t toward(int32_t from, int64_t target, int32_t step_max) {
-  FRAY_ASSERT(step_max > 0);
-  const int64_t bounded = fx_clamp_wide(target, FX_WORLD_MAX);
-  return from + fx_clamp_wide(bounded - from, step_max);
-}
-
 static vec3 follow_hand(const fray_world *w, uint32_t b) {
   const rigid_body *k = &w->rigid.bodies[b];
   FRAY_ASSERT(k->hand >= 0 && k->hand < FRAY_HANDS);
@@ -134,8 +131,8 @@ static vec3 follow_hand(const fray_world *w, uint32_t b) {
   if (w->state->mode == FRAY_OPERATIONAL)
     for (uint32_t n = 0; n < 3; ++n) {
       const int64_t steps = (int64_t)hand->pose[n] - hand->datum[n];
-      to[n] = toward(at[n], k->start[n] + fx_round64(steps * w->params->pose_gain, 8),
-                     w->params->hand_speed);
+      to[n] = haptic_toward(at[n], k->start[n] + fx_round64(steps * w->params->pose_gain, 8),
+                            w->params->hand_speed);
     }
   return vec_of(to);
 }
@@ -177,4 +174,5 @@ void haptic_device_update(fray_world *w, const fray_input *input) {
   change_state(w, input);
   move_ramp(w);
   send_bodies(w);
+  if (world_has_handles(w)) handle_proxies_move(w);
 }

@@ -40,14 +40,20 @@ static int is_saved(const image_array *a, const uint32_t capacity[POOLS]) {
   return a->id != 0 && !is_left_out(a, capacity);
 }
 static uint32_t features_of(const uint32_t capacity[POOLS]) {
-  return (short_ids(capacity) ? (uint32_t)IMAGE_SHORT_IDS : 0u) |
-         (capacity[POOL_COROTATIONAL] != 0 ? (uint32_t)IMAGE_COROTATIONAL : 0u) |
-         (capacity[POOL_CRACKS] != 0 ? (uint32_t)IMAGE_CRACKS : 0u);
+  uint32_t features = short_ids(capacity) ? (uint32_t)IMAGE_SHORT_IDS : 0u;
+  if (capacity[POOL_COROTATIONAL] != 0) features |= IMAGE_COROTATIONAL;
+  if (capacity[POOL_CRACKS] != 0) features |= IMAGE_CRACKS;
+#if FRAY_HANDLES
+  if (capacity[POOL_HANDLES] != 0) features |= IMAGE_HANDLES;
+#endif
+  return features;
 }
+enum { IMAGE_VERSION = FRAY_IMAGE_MAJOR << 16, IMAGE_VERSION_FEATURES = IMAGE_VERSION | 1 };
+_Static_assert(IMAGE_VERSION == 3u << 16 && FRAY_IMAGE_MINOR == 1u, "the versions that messages name");
+
 /* The oldest that has these features. */
 static uint32_t version_of(uint32_t features) {
-  _Static_assert(FRAY_IMAGE_MAJOR == 3u && FRAY_IMAGE_MINOR == 1u, "the versions that messages name");
-  return FRAY_IMAGE_MAJOR << 16 | (features > IMAGE_SHORT_IDS ? 1u : 0u);
+  return features > IMAGE_SHORT_IDS ? (uint32_t)IMAGE_VERSION_FEATURES : (uint32_t)IMAGE_VERSION;
 }
 static uint32_t elements(const image_array *a, const uint32_t capacity[POOLS]) {
   FRAY_ASSERT(a->pool < POOLS);
@@ -130,9 +136,12 @@ static fray_status check_version(const uint8_t *image, fray_error *error) {
   if (bytes_load32(image) != IMAGE_MAGIC)
     return image_refuse(error, FRAY_BAD_MAGIC, 0, 0, "the bytes FRAY");
   if (version == version_of(bytes_load32(image + 4 * IMAGE_FEATURES_WORD))) return FRAY_OK;
+  if (version == IMAGE_VERSION || version == IMAGE_VERSION_FEATURES)
+    return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_FEATURES_WORD,
+                        "image version 3.1 with an isotropic sheet or handles, 3.0 without");
   return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_VERSION_WORD,
                       version >> 16 == 2u ? "image version 3.0; version 2 needs fray 0.3 or 0.4"
-                                          : "image version 3.0, or 3.1 of an isotropic sheet");
+                                          : "image version 3.0 or 3.1");
 }
 
 /* What the options of this build leave out. */
@@ -149,6 +158,9 @@ static fray_status check_options(const uint8_t *image, fray_error *error) {
   if (!FRAY_TRIANGLE_COLLISION && header_capacity(image, POOL_TRIANGLE_PAIRS) != 0)
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_CAPACITY_WORD + POOL_TRIANGLE_PAIRS,
                         "a build with self-collision of membranes (FRAY_TRIANGLE_COLLISION)");
+  if (!FRAY_HANDLES && (bytes_load32(image + 4 * IMAGE_FEATURES_WORD) & IMAGE_HANDLES) != 0)
+    return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_FEATURES_WORD,
+                        "a build with handles (FRAY_HANDLES)");
   if (!FRAY_MESHES &&
       (header_capacity(image, POOL_RIGID_MESH_WORDS) | header_capacity(image, POOL_BLADES)) != 0)
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_CAPACITY_WORD + POOL_RIGID_MESH_WORDS,
@@ -178,6 +190,9 @@ static fray_status read_header(const uint8_t *image, size_t bytes, uint32_t capa
   capacity[POOL_COROTATIONAL] = capacity[POOL_TRIANGLES] != 0 && (features & IMAGE_COROTATIONAL) != 0;
   capacity[POOL_CRACKS] = capacity[POOL_COROTATIONAL] != 0 && (features & IMAGE_CRACKS) != 0;
   derive_pools(capacity);
+#if FRAY_HANDLES
+  capacity[POOL_HANDLES] = (features & IMAGE_HANDLES) != 0 ? FRAY_HANDS : 0;
+#endif
   if (features != features_of(capacity))
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_FEATURES_WORD,
                         "the features of its capacities, short ids where they fit");

@@ -7,8 +7,8 @@
  *
  * The CRC-32 covers everything behind its own word. It finds damage, not intent: an image from
  * an untrusted hand is safe to load (every field is checked) but not thereby authentic.
- * Two versions are read, 3.0 and 3.1 of worlds that need its features; others are refused. What only some worlds need stands in sections of its own,
- * and the capacities say which of them there are. */
+ * Two versions are read: 3.0, and 3.1 of worlds with an isotropic sheet or handles; another one is refused. What only some
+ * worlds need stands in sections of its own, and capacities and features say which of them there are. */
 #ifndef FRAY_IMAGE_IMAGE_H
 #define FRAY_IMAGE_IMAGE_H
 
@@ -30,9 +30,9 @@ enum {
   IMAGE_ALIGN = 16,
   IMAGE_CRC_FROM = 4 * (IMAGE_CRC_WORD + 1)
 };
-/* Features: ids are 16 bits wide (no row, particle or triangle number needs more); the membrane is isotropic,
- * by the law of membrane/corotational.h, and breaks: both need version 3.1. */
-enum { IMAGE_SHORT_IDS = 1, IMAGE_COROTATIONAL = 2, IMAGE_CRACKS = 4 };
+/* Features: ids are 16 bits wide (no row, particle or triangle number needs more); the membrane is isotropic, by the
+ * law of membrane/corotational.h; it breaks; hands move handles. All but the first need version 3.1. */
+enum { IMAGE_SHORT_IDS = 1, IMAGE_COROTATIONAL = 2, IMAGE_CRACKS = 4, IMAGE_HANDLES = 8 };
 _Static_assert(IMAGE_CAPACITY_WORD + POOLS_IN_HEADER == IMAGE_HEADER_WORDS, "capacities fit the header");
 
 typedef enum { ROLE_CONSTANT, ROLE_STATE, ROLE_TICK } image_role;
@@ -59,7 +59,8 @@ static inline void *image_pointer(const fray_world *w, const image_array *a) {
 
 /* Sections that build options leave out. */
 enum { IMAGE_YARN_COLLISION = 49, IMAGE_RIGID_MESHES = 50, IMAGE_BLADES = 51, IMAGE_TRIANGLE_COLLISION = 52,
-       IMAGE_BEND_STATES = 53, IMAGE_YARN_CONTACTS = 54, IMAGE_CRACK_PARAMS = 55, IMAGE_CRACK_STATE = 56 };
+       IMAGE_BEND_STATES = 53, IMAGE_YARN_CONTACTS = 54, IMAGE_CRACK_PARAMS = 55, IMAGE_CRACK_STATE = 56,
+       IMAGE_HANDLE_PARAMS = 64, IMAGE_HANDLE_STATES };
 
 /* A world with capacities and arrays in the caller's memory, for the builder: nothing is taken in
  * place. `memory` NULL: only counts. Returns the bytes needed. */
@@ -86,5 +87,15 @@ int yarn_contacts_validate(const fray_world *w, fray_error *error);
 /* What membranes have beside it: triangles and vertices that are one mesh, every fan whole, every
  * triangle stout, gains in their ranges; and derives what follows. 1, or 0 with the error filled. */
 int trimesh_validate(fray_world *w, fray_error *error);
+/* Handles: free bodies, one a hand, springs and dampers that the elastic steps bear. *hands: a bit
+ * each. 1, or 0 with the error filled. */
+#if FRAY_HANDLES
+int handles_validate(const fray_world *w, int32_t *hands, fray_error *error);
+#else
+static inline int handles_validate(const fray_world *w, int32_t *hands, fray_error *error) {
+  (void)w, (void)hands, (void)error;
+  return 0;
+}
+#endif
 
 #endif

@@ -124,6 +124,14 @@ const image_array image_arrays[] = {
      AT(membrane.cracks)},
     {"averaged", 0, ROLE_TICK, KIND_WORD, POOL_TRIANGLES, POOL_CRACKS, 1, AT(membrane.averaged)},
 #endif
+#if FRAY_HANDLES
+    {"handles", IMAGE_HANDLE_PARAMS, ROLE_CONSTANT, KIND_WORD, POOL_HANDLES, POOL_HANDLES, HANDLE_PARAM_WORDS,
+     AT(handles.params)},
+    {"handle_states", IMAGE_HANDLE_STATES, ROLE_STATE, KIND_WORD, POOL_HANDLES, POOL_HANDLES,
+     HANDLE_STATE_WORDS, AT(handles.states)},
+    {"handle_motion", 0, ROLE_TICK, KIND_STRUCT, POOL_HANDLES, POOL_HANDLES, sizeof(handle_motion),
+     AT(handles.motion)},
+#endif
     TICK(POOL_PARTICLES, int32_t, p.qx),
     TICK(POOL_PARTICLES, int32_t, p.qy),
     TICK(POOL_PARTICLES, int32_t, p.qz),

@@ -55,6 +55,10 @@ void state_hash_begin(const fray_world *w, hash *h) {
     hash_sheet(h, w);
   hash_words(h, (const int32_t *)(const void *)w->rigid.states,
              w->capacity[POOL_BODIES] * BODY_STATE_WORDS);
+#if FRAY_HANDLES
+  if (world_has_handles(w))
+    hash_words(h, (const int32_t *)(const void *)w->handles.states, FRAY_HANDS * HANDLE_STATE_WORDS);
+#endif
 }
 
 uint64_t state_hash(const fray_world *w) {

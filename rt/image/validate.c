@@ -83,7 +83,6 @@ static int link_is(const link_class *c, link_class expected) {
 }
 
 static int link_follows(const link_class *c) { return link_is(c, link_class_make(c->rest, c->push)); }
-
 static int lock_good(const fray_world *w, fray_error *error) {
   const link_class *const lock = &w->woven.link_classes[CLASS_LOCK];
   const int fits = w->capacity[POOL_LINK_CLASSES] == CLASSES_WITH_LOCK &&
@@ -207,6 +206,7 @@ static int keys_good(const fray_world *w, const rigid_body *k) {
 
 static int bodies_good(const fray_world *w, fray_error *error) {
   int32_t hands = 0;
+  if (world_has_handles(w) && !handles_validate(w, &hands, error)) return 0;
   for (uint32_t b = 0; b < w->capacity[POOL_BODIES]; ++b) {
     const body_state *s = &w->rigid.states[b];
     if (!body_good(w, &w->rigid.bodies[b])) return image_bad(error, IN_BODIES, b, "a body in its ranges");

@@ -128,7 +128,29 @@ fray_body fray_view_body(const fray_world *w, uint32_t b) {
     v.velocity[n] = s->velocity[n];
     v.impulse[n] = w->rigid.motion[b].impulse[n];
   }
+  fray_handle handle;
+  if (v.motion == FRAY_FREE && fray_view_handle(w, v.hand, &handle) != 0 && handle.body == b)
+    v.motion = FRAY_HAND;
   return v;
+}
+
+int fray_view_handle(const fray_world *w, uint32_t hand, fray_handle *view) {
+  FRAY_ASSERT(w != NULL && hand < FRAY_HANDS && view != NULL);
+#if FRAY_HANDLES
+  if (world_has_handles(w) && w->handles.params[hand].body != HANDLE_NONE) {
+    const handle_state *s = &w->handles.states[hand];
+    view->body = (uint32_t)w->handles.params[hand].body;
+    for (uint32_t n = 0; n < 3; ++n) view->proxy[n] = s->proxy[n];
+    view->given_nj = (int64_t)state_pair(s->given);
+    view->given_most_nj = (int64_t)state_pair(s->most);
+    view->taken_nj = (int64_t)state_pair(s->taken);
+    return 1;
+  }
+#else
+  (void)hand;
+  (void)view;
+#endif
+  return 0;
 }
 
 int fray_view_mesh(const fray_world *w, uint32_t b, fray_mesh *view) {

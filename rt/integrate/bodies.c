@@ -77,6 +77,18 @@ void body_update_velocity(fray_world *w, uint32_t b) {
   }
 }
 
+/* In two parts of the impulse, as the product of all of it has 76 bits. */
+void body_gain(fray_world *w, uint32_t b, uint32_t axis, int64_t impulse) {
+  body_state *s = &w->rigid.states[b];
+  const int32_t ratio = w->rigid.bodies[b].mass_ratio;
+  FRAY_ASSERT(impulse >> 46 == 0 || impulse >> 46 == -1);
+  const int64_t high = fx_mul64(fx_asr64(impulse, 16), ratio);
+  const int64_t change = (int64_t)(uint32_t)s->fraction[axis] + (high & ((1 << 14) - 1)) * (1 << 16) +
+                         fx_mul64(impulse & 0xFFFF, ratio);
+  s->velocity[axis] = fx_saturate(s->velocity[axis] + fx_asr64(high, 14) + fx_asr64(change, 30));
+  s->fraction[axis] = (int32_t)(change & ((1 << 30) - 1));
+}
+
 void bodies_update_velocity(fray_world *w) {
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
     if (w->rigid.bodies[b].motion == FRAY_FREE) body_update_velocity(w, b);

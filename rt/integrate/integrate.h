@@ -14,6 +14,8 @@ void bodies_advance(fray_world *w, uint32_t substep);
 void bodies_update_velocity(fray_world *w);
 /* The same of one, for what it gained since the last call. */
 void body_update_velocity(fray_world *w, uint32_t b);
+/* A free body gains an impulse along an axis, Q28, at most 2^46, that the cloth has no part in. */
+void body_gain(fray_world *w, uint32_t b, uint32_t axis, int64_t impulse);
 
 /* Free particles gain gravity and move by their velocity; predicted = position. */
 void particles_advance(fray_world *w);

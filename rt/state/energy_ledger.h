@@ -28,7 +28,7 @@
  */
 typedef struct {
   wide_number motion, bodies, potential;
-  wide_number stretch, shear, bend, yarns;
+  wide_number stretch, shear, bend, yarns, handles;
   wide_number form; /* half of velocity times force, over the free particles */
   wide_number pull[MAX_BODIES]
                   [3];          /* the same of carried particles, but for their body's velocity */

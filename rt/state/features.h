@@ -24,6 +24,9 @@
 #ifndef FRAY_CRACKS
 #define FRAY_CRACKS FRAY_TRIANGLES /* isotropic sheets: their law, their cracks */
 #endif
+#ifndef FRAY_HANDLES
+#define FRAY_HANDLES (FRAY_TRIANGLES && FRAY_MESHES) /* bodies with mass between a hand and a membrane */
+#endif
 
 typedef struct {
   uint8_t membrane; /* the world is a membrane; else it is woven */

@@ -16,6 +16,7 @@
 #include "rt/state/elastic_step.h"
 #include "rt/state/energy_ledger.h"
 #include "rt/state/features.h"
+#include "rt/state/handle.h"
 #include "rt/state/triangle_pairs.h"
 #include "rt/state/params.h"
 #include "rt/state/tick_attempt.h"
@@ -54,6 +55,9 @@ typedef enum {
   POOL_COROTATIONAL, /* 1 iff the membrane is isotropic, else 0: a feature of the header */
   POOL_CRACKS, /* 1 iff it breaks, in the same way */
   POOL_YARN_CONTACTS, /* crossings that can split: one a spare particle, in worlds with yarns */
+#if FRAY_HANDLES
+  POOL_HANDLES, /* FRAY_HANDS iff a hand moves a handle, else 0: by the header's features */
+#endif
   POOLS
 } pool_name;
 
@@ -222,6 +226,15 @@ typedef struct {
   self_constraint *constraints;    /* of a tick: attempt.begin->constraints */
 } triangle_collision_state;
 
+#if FRAY_HANDLES
+/* Handles, by hand. Writers: haptics/, and elastic/step_handles.c in steps. */
+typedef struct {
+  const handle_params *params;
+  handle_state *states;
+  handle_motion *motion;           /* of one tick */
+} handle_table;
+#endif
+
 /* What a tick answers to its hands. Writer: haptics/. */
 typedef struct {
   uint8_t answered, answer_counter, result;
@@ -246,6 +259,9 @@ struct fray_world {
   triangle_collision_state tri;
   tick_attempt attempt;
   haptic_state haptic;
+#if FRAY_HANDLES
+  handle_table handles;
+#endif
   uint32_t first_tear;             /* of this tick: canonical spring or vertex; see fray_output */
   vec3 gravity_step;               /* of this substep, Q28 */
   fray_work work;
@@ -349,6 +365,14 @@ static inline int world_has_blades(const fray_world *w) {
   return FRAY_MESHES && FRAY_TRIANGLES && w->features.blades;
 }
 
+static inline int world_has_handles(const fray_world *w) {
+#if FRAY_HANDLES
+  return w->capacity[POOL_HANDLES] != 0;
+#else
+  (void)w;
+  return 0;
+#endif
+}
 /* Enters or takes an entry out of the topology's hash. */
 void world_toggle_entry(fray_world *w, uint64_t entry);
 void world_toggle(fray_world *w, uint32_t field, uint32_t id, uint32_t value);

@@ -4,6 +4,7 @@
  * energy. The guard behind the loop moves positions, and is rare. */
 #include "rt/contact/constraints.h"
 #include "rt/elastic/step_bodies.h"
+#include "rt/elastic/step_handles.h"
 #include "rt/membrane/membrane.h"
 #include "rt/membrane/step_meter.h"
 #include "rt/self_collision/impact_zone_steps.h"
@@ -18,7 +19,10 @@ void elastic_steps_run(fray_world *w, uint32_t substep) {
   contact_constraints_find(w);
   for (int32_t number = 0; number < w->membrane.constants->steps; ++number) {
     const elastic_step step = membrane_step_force(w, &view, substep, number);
+    if (world_has_handles(w)) step_handles_mark(w);
     step_bodies_pull(w, &step);
+    if (world_has_handles(w))
+      step_handles_pull(w, &step, (int32_t)substep * w->membrane.constants->steps + number);
     step_meter_mark(w, 0);
     edge_limits_solve(w, &step);
     step_meter_mark(w, 1);

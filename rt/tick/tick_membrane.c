@@ -3,6 +3,7 @@
  * substep is some elastic steps of stress and bending (2.4, 2.5) with contact constraints, then the tests of
  * paths (2.6). */
 #include "rt/contact/contact.h"
+#include "rt/elastic/step_handles.h"
 #include "rt/energy/energy.h"
 #include "rt/integrate/integrate.h"
 #include "rt/membrane/membrane.h"
@@ -13,6 +14,7 @@
 
 static void run_substeps(fray_world *w) {
   const uint32_t substeps = (uint32_t)w->params->substeps;
+  if (world_has_handles(w)) step_handles_begin(w);
   for (uint32_t substep = 0; substep < substeps; ++substep) {
     if (world_has_rigid_meshes(w)) contact_vertices_begin(w);
     bodies_advance(w, substep);

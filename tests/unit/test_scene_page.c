@@ -187,6 +187,8 @@ static int parses(const block_rule *rule, const char *shape, const char *key, co
   static const char *const of_membranes[] = {"wind", "load", "spare_triangles", NULL};
   static const char *const of_free[] = {"mass", "velocity", NULL};
   static const char *const of_sheets[] = {"poisson", "thickness", "breaks", "average", "cracks", NULL};
+  static const char *const of_handles[] = {"coupling", "coupling_damping", "hand_scale", "hand_rotate",
+                                           "hand_offset", "force_scale", NULL};
   static const char *const is_material[] = {"density", "base", NULL};
   static char inside[2 * CELL];
   static char all[4 * CELL];
@@ -210,7 +212,8 @@ static int parses(const block_rule *rule, const char *shape, const char *key, co
   else if (strcmp(rule->name, "body") == 0)
     snprintf(all, sizeof all, "scene s\n%s\n%s b {\n%s%s%s%s}\n", cloth, shape, inside,
              strcmp(key, "at") == 0 ? "" : " at 0 0 9 cm\n", is_one_of(key, of_free) ? " move free\n" : "",
-             strcmp(key, "velocity") == 0 ? " mass 1 g\n" : "");
+             is_one_of(key, of_handles)     ? " move hand left\n mass 5 g\n"
+             : strcmp(key, "velocity") == 0 ? " mass 1 g\n" : "");
   else
     snprintf(all, sizeof all, "scene s\n%s\n%s {\n%s}\n", cloth, rule->name, inside);
   const int good = scene_parse("page", all, strlen(all), &parsed, &error);

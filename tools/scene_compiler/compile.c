@@ -71,9 +71,8 @@ static void plan_capacity(const draft *d, uint32_t capacity[POOLS]) {
   capacity[POOL_BLADES] = 0;
   capacity[POOL_SPLITS] = s->woven.yarns != 0 ? s->limits.splits_per_tick : 0;
   capacity[POOL_YARN_GAINS] = scene_has_stretch(s) ? capacity[POOL_LINK_CLASSES] : 0;
-  capacity[POOL_TRIANGLES] = capacity[POOL_TRIANGLE_PAIRS] = capacity[POOL_PATCHES] =
-      capacity[POOL_PATCH_PAIRS] = capacity[POOL_COROTATIONAL] =
-          capacity[POOL_CRACKS] = 0;
+  capacity[POOL_HANDLES] = capacity[POOL_TRIANGLES] = capacity[POOL_TRIANGLE_PAIRS] = capacity[POOL_PATCHES] =
+      capacity[POOL_PATCH_PAIRS] = capacity[POOL_COROTATIONAL] = capacity[POOL_CRACKS] = 0;
   capacity[POOL_YARN_PAIRS] = s->woven.self_collision ? s->limits.self_collision_pairs : 0;
 }
 

@@ -91,6 +91,11 @@ int draft_classes(const draft *d, link_class *links, bend_shear_class *springs);
 int draft_yarns(const draft *d, yarn_params *y);
 int draft_yarn_collision(const draft *d, self_params *k);
 int draft_slits(const draft *d, fray_world *w);
+/* A hand moves a handle; and the constants of handles, their proxies where they are. */
+int draft_has_handles(const draft *d);
+int draft_handles(const draft *d, fray_world *w);
+/* Rows of a rotation, Q30. */
+int draft_turn(const draft *d, uint32_t block, const char *key, const scene_rotation *by, int32_t axes[9]);
 int draft_yarn_elastic(const draft *d, const link_class *links, yarn_elastic_params *p, yarn_gain *pulls,
                   link_class *limits, uint32_t classes);
 
@@ -143,7 +148,8 @@ const char *draft_value(const draft *d, uint32_t block, const char *key, unit_qu
 int draft_length(const draft *d, uint32_t block, const char *key, exact centimetres, int32_t *lu);
 /* Always 0: the cloth, as large as its keys make it, does not fit where it is. */
 int draft_outside(const draft *d);
-/* Key `at` of that block; a keyframe of the path of that body. */
+/* Of any key; of key `at` of that block; a keyframe of the path of that body. */
+int draft_place(const draft *d, uint32_t block, const char *key, const exact at[3], vec3 *place);
 int draft_position(const draft *d, uint32_t block, const exact at[3], vec3 *place);
 int draft_keyframe(const draft *d, uint32_t block, const scene_keyframe *key, vec3 *place);
 /* The block and the key that give `key` of the membrane's material: of a measured one `material` of the

@@ -116,6 +116,7 @@ static void plan(const draft *d, const planar_mesh *m, uint32_t capacity[POOLS])
                                                                         : 16u * m->triangles;
   capacity[POOL_COROTATIONAL] = s->membrane.cloth.corotational != 0;
   capacity[POOL_CRACKS] = s->membrane.cloth.breaks.numerator != 0;
+  capacity[POOL_HANDLES] = draft_has_handles(d) ? FRAY_HANDS : 0;
   capacity[POOL_BLADES] = s->membrane.cloth.has_cut_speed && d->meshes.head.meshes > 0;
 }
 
@@ -235,6 +236,7 @@ int draft_membrane(draft *d, void **memory, fray_world **world) {
     w->p.count = m.points;
     good = draft_fill_bodies(d, w) && fill_vertices(d, &m, w) && fill_triangles(d, &m, w) &&
            draft_params(d, WRITABLE(params, w->params)) && draft_membrane_params(d, w);
+    if (good && world_has_handles(w)) good = draft_handles(d, w);
     if (good && world_has_triangle_collision(w)) good = fill_triangle_collision(d, w);
     if (good) {
       draft_rigid_mesh_fill(d, WRITABLE(int32_t, w->rigid.mesh_words));

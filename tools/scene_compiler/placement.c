@@ -4,22 +4,21 @@
 #include "rt/contact/shape.h"
 #include "tools/scene_compiler/draft.h"
 
-/* Rows of the rotation by 2 atan(t) about one axis, Q30. */
-static int turned_axes(const draft *d, const scene_body *b, int32_t axes[9]) {
+/* By 2 atan(t) about one axis. */
+int draft_turn(const draft *d, uint32_t block, const char *key, const scene_rotation *by, int32_t axes[9]) {
   const exact one = exact_make(1, 1);
   for (uint32_t n = 0; n < 9; ++n) axes[n] = n % 4 == 0 ? 1 << 30 : 0;
-  if (b->rotation.axis < 0) return 1;
-  const exact t = b->rotation.half_tangent;
+  if (by->axis < 0) return 1;
+  const exact t = by->half_tangent;
   const exact t2 = exact_mul(t, t);
   const exact whole = exact_add(one, t2);
   int64_t c;
   int64_t s;
   if (!exact_to_fixed(exact_div(exact_sub(one, t2), whole), 30, &c) ||
       !exact_to_fixed(exact_div(exact_add(t, t), whole), 30, &s))
-    return draft_expected(d, BLOCK_BODY + (uint32_t)(b - d->scene->bodies), "rotate",
-                          "an angle of fewer digits");
-  const uint32_t u = (uint32_t)(b->rotation.axis + 1) % 3u;
-  const uint32_t v = (uint32_t)(b->rotation.axis + 2) % 3u;
+    return draft_expected(d, block, key, "an angle of fewer digits");
+  const uint32_t u = (uint32_t)(by->axis + 1) % 3u;
+  const uint32_t v = (uint32_t)(by->axis + 2) % 3u;
   axes[3 * u + u] = (int32_t)c;
   axes[3 * u + v] = (int32_t)s;
   axes[3 * v + u] = (int32_t)-s;
@@ -74,7 +73,8 @@ static int draft_body(draft *d, uint32_t n) {
   k->hand = (int32_t)b->hand;
   k->keyframe_first = (int32_t)b->key_first;
   k->keyframes = (int32_t)b->keys;
-  if (!place_start(d, n, &start) || !turned_axes(d, b, k->axes) || !size_body(d, b, k))
+  if (!place_start(d, n, &start) || !draft_turn(d, BLOCK_BODY + n, "rotate", &b->rotation, k->axes) ||
+      !size_body(d, b, k))
     return 0;
   k->start[0] = start.x;
   k->start[1] = start.y;
@@ -82,6 +82,8 @@ static int draft_body(draft *d, uint32_t n) {
   if (!exact_to_fixed(b->friction, 16, &fixed) || fixed < 0 || fixed > 16 << 16)
     return draft_expected(d, BLOCK_BODY + n, "friction", "a number of fewer digits");
   k->friction = (int32_t)fixed;
+  if (b->is_handle && !d->scene->membrane.present)
+    return draft_expected(d, BLOCK_BODY + n, "mass", "a membrane where a hand moves a body with mass");
   if (b->motion == FRAY_FREE) {
     if (!exact_to_fixed(exact_div(d->particle_mass, b->mass), 30, &fixed) || fixed > 1 << 30)
       return draft_expected(d, BLOCK_BODY + n, "mass", "at least %s, the mass of one %s",

@@ -86,9 +86,13 @@ int draft_length(const draft *d, uint32_t block, const char *key, exact centimet
                         draft_value(d, block, key, UNIT_LENGTH, world_reach(d), -1, reach));
 }
 
+int draft_place(const draft *d, uint32_t block, const char *key, const exact at[3], vec3 *place) {
+  return draft_length(d, block, key, at[0], &place->x) && draft_length(d, block, key, at[1], &place->y) &&
+         draft_length(d, block, key, at[2], &place->z);
+}
+
 int draft_position(const draft *d, uint32_t block, const exact at[3], vec3 *place) {
-  return draft_length(d, block, "at", at[0], &place->x) && draft_length(d, block, "at", at[1], &place->y) &&
-         draft_length(d, block, "at", at[2], &place->z);
+  return draft_place(d, block, "at", at, place);
 }
 
 int draft_keyframe(const draft *d, uint32_t block, const scene_keyframe *key, vec3 *place) {

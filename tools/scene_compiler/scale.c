@@ -105,7 +105,7 @@ static int hand_words(const draft *d, params *p) {
   const exact steps = exact_make(2000, 1); /* 0.5 mN in a newton */
   int32_t force_rate = 0;
   for (uint32_t n = 0; n < s->body_count; ++n)
-    if (s->bodies[n].motion == FRAY_HAND) p->hands |= 1 << s->bodies[n].hand;
+    if (s->bodies[n].motion == FRAY_HAND || s->bodies[n].is_handle) p->hands |= 1 << s->bodies[n].hand;
   p->stale_ticks = 3;
   p->arm_poses = 16;
   const exact lu_per_step = exact_make(2, d->lu_um);

@@ -16,6 +16,15 @@ static int read_rotation(parser *p, const block_key *key, void *target) {
          value_read_choice(p, about, 1, &index) && value_read_choice(p, axes, 3, &rotation->axis);
 }
 
+static int read_hand_rotation(parser *p, const block_key *key, void *target) {
+  scene_body *body = (scene_body *)target;
+  const scene_rotation own = body->rotation;
+  const int good = read_rotation(p, key, target);
+  body->hand_rotation = body->rotation;
+  body->rotation = own;
+  return good;
+}
+
 static int read_obj(parser *p, const block_key *key, void *target) {
   (void)key;
   return value_read_path(p, ((scene_body *)target)->obj);
@@ -69,6 +78,12 @@ static const struct {
     {ANY, {"friction", block_exacts, AT(friction), {UNIT_NONE, "0", "4"}, 1, 0}},
     {BOUNDED, {"mass", block_exacts, AT(mass), {UNIT_MASS, "0.001", "100000"}, 1, 0}},
     {BOUNDED, {"velocity", block_exacts, AT(velocity), {UNIT_SPEED, "-100000", "100000"}, 3, 0}},
+    {BOUNDED, {"coupling", block_exacts, AT(coupling), {UNIT_STIFFNESS, "1000", "10000000"}, 1, 0}},
+    {BOUNDED, {"coupling_damping", block_exacts, AT(coupling_damping), {UNIT_TIME, "0", "0.1"}, 1, 0}},
+    {BOUNDED, {"hand_scale", block_exacts, AT(hand_scale), {UNIT_NONE, "0.01", "100"}, 1, 0}},
+    {BOUNDED, {"hand_rotate", read_hand_rotation, 0, {UNIT_ANGLE, "-170", "170"}, 1, 0}},
+    {BOUNDED, {"hand_offset", block_exacts, AT(hand_offset), {UNIT_LENGTH, "-6000", "6000"}, 3, 0}},
+    {BOUNDED, {"force_scale", block_exacts, AT(force_scale), {UNIT_NONE, "0.001", "1000"}, 1, 0}},
     {SURFACE, {"attach_within", block_exacts, AT(attach_within), {UNIT_LENGTH, "-1000", "1000"}, 1, 0}},
 };
 enum { BODY_KEYS = sizeof body_keys / sizeof body_keys[0] };
@@ -101,6 +116,11 @@ static void set_defaults(scene_body *body, fray_shape shape) {
   body->rotation.axis = -1;
   body->rotation.half_tangent = zero;
   body->friction = exact_make(3, 10);
+  body->coupling = exact_make(1000000, 1);
+  body->coupling_damping = exact_make(-1, 1);
+  body->hand_scale = body->force_scale = exact_make(1, 1);
+  body->hand_rotation.axis = -1;
+  body->hand_rotation.half_tangent = zero;
   body->unit = exact_make(1, 1);
   body->radius = body->mass = body->attach_within = zero;
   for (int k = 0; k < 3; k++) body->at[k] = body->size[k] = body->velocity[k] = zero;
@@ -118,6 +138,28 @@ static int find_start(parser *p, scene_body *body, const char *title, scene_plac
                        "the same, or no 'at'", title);
   }
   memcpy(body->at, start, sizeof body->at);
+  return 1;
+}
+
+/* Keys of the coupling are those of a handle; its mass makes a hand's body one. */
+static int check_handle(parser *p, scene_body *body, const char *title, const block_rule *rule,
+                        const block_seen *seen) {
+  static const char *const keys[] = {"coupling", "coupling_damping", "hand_scale", "hand_rotate",
+                                     "hand_offset", "force_scale"};
+  body->is_handle = body->motion == FRAY_HAND && block_has(rule, seen, "mass");
+  body->has_hand_offset = block_has(rule, seen, "hand_offset");
+  if (!body->is_handle) {
+    for (size_t n = 0; n < sizeof keys / sizeof keys[0]; n++)
+      if (block_has(rule, seen, keys[n]))
+        return parser_fail(p, block_place(rule, seen, keys[n]),
+                           "found '%s' in %s, expected it only in a body with 'move hand left' or 'right' and "
+                           "a 'mass'", keys[n], title);
+    return 1;
+  }
+  if (block_has(rule, seen, "velocity"))
+    return parser_fail(p, block_place(rule, seen, "velocity"),
+                       "found 'velocity' in %s, expected it only in a body with 'move free'", title);
+  body->motion = FRAY_FREE;
   return 1;
 }
 
@@ -163,6 +205,7 @@ int body_block_read(parser *p, const block_key *key, void *target) {
   if (!block_read(p, &rule, title, opened, body, &seen)) return 0;
   body->has_attach = block_has(&rule, &seen, "attach_within");
   if (!find_start(p, body, title, block_place(&rule, &seen, "at"), opened)) return 0;
+  if (!check_handle(p, body, title, &rule, &seen)) return 0;
   if (!check_free(p, body, title, block_place(&rule, &seen, "mass"),
                   block_place(&rule, &seen, "velocity"), opened)) {
     return 0;

@@ -15,12 +15,14 @@ static int has_body(const scene *s, int (*is)(const scene_body *)) {
   return 0;
 }
 static int is_mesh(const scene_body *b) { return b->shape == FRAY_MESH; }
-static int moves_with_hand(const scene_body *b) { return b->motion == FRAY_HAND; }
+static int moves_with_hand(const scene_body *b) { return b->motion == FRAY_HAND || b->is_handle; }
+static int is_handle(const scene_body *b) { return b->is_handle; }
 static int collides_with_triangles(const scene_body *b) {
   return b->shape == FRAY_MESH || (SHAPES_COLLIDER >> b->shape & 1) != 0;
 }
 
 static int without_hand(const scene *s) { return !has_body(s, moves_with_hand); }
+static int without_handle(const scene *s) { return !has_body(s, is_handle); }
 static int without_mesh(const scene *s) { return !has_body(s, is_mesh); }
 static int without_collider(const scene *s) { return !has_body(s, collides_with_triangles); }
 static int without_wind(const scene *s) { return !s->has_wind; }
@@ -79,6 +81,8 @@ static const struct {
      "nothing moves the cloth: no gravity, wind, load, body, gather or yarns"},
     {BLOCK_SCENE, "max_rest_strain", is_nothing_searched, "neither 'substeps' nor 'iterations' is auto"},
     {BLOCK_SCENE, "hands", without_hand, "no body has 'move hand left' or 'move hand right'"},
+    {BLOCK_HANDS, "energy_reserve", without_handle, "no body of a hand has a 'mass'"},
+    {BLOCK_HANDS, "delay", without_handle, "no body of a hand has a 'mass'"},
     {BLOCK_CLOTH, "pleats", without_gather, "'gather' is 0"},
     {BLOCK_CLOTH, "yarns", without_spares_to_split, "'spare_particles' is 0: no crossing can split"},
     {BLOCK_CLOTH, "yarns", never_splits, "'tear' is off: no crossing splits"},

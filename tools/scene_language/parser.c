@@ -28,6 +28,8 @@ static const block_key hands_keys[] = {
     {"speed", block_exacts, AT(hands.speed), {UNIT_SPEED, "0.1", "100000"}, 1, 0},
     {"ramp_up", block_exacts, AT(hands.ramp_up), {UNIT_TIME, "0.0001", "1"}, 1, 0},
     {"ramp_down", block_exacts, AT(hands.ramp_down), {UNIT_TIME, "0.0001", "1"}, 1, 0},
+    {"energy_reserve", block_exacts, AT(hands.reserve), {UNIT_ENERGY, "0", "2"}, 1, 0},
+    {"delay", block_count, AT(hands.delay), {UNIT_NONE, "1", "4"}, 1, 0},
 };
 const block_rule hands_rule = {"hands", hands_keys, sizeof hands_keys / sizeof hands_keys[0]};
 
@@ -139,6 +141,8 @@ static void set_defaults(scene *out) {
   out->hands.speed = exact_make(200, 1);
   out->hands.ramp_up = exact_make(1, 10);
   out->hands.ramp_down = exact_make(1, 100);
+  out->hands.reserve = exact_make(1, 100);
+  out->hands.delay = 2;
 }
 
 static int check_text(parser *p, const char *text, size_t bytes) {

@@ -52,7 +52,7 @@ typedef struct {
   char name[SCENE_NAME];
   fray_shape shape;
   fray_motion motion;
-  uint32_t hand;         /* for FRAY_HAND */
+  uint32_t hand;         /* for FRAY_HAND and handles */
   exact at[3];           /* cm; on a path: where the path begins */
   exact radius;          /* 0 where the shape has none */
   exact size[3];         /* twice its half sizes, 0 where it has none: of a capsule size[0] is the length
@@ -60,8 +60,15 @@ typedef struct {
   scene_rotation rotation; /* box, capsule, plane, mesh; unrotated a capsule lies along x and a plane's
                             normal is +y; |angle| <= 170 degrees */
   exact friction;        /* default 0.3 */
-  exact mass;            /* g; FRAY_FREE only, required there */
+  exact mass;            /* g; FRAY_FREE only, required there; of a hand it makes a handle */
   exact velocity[3];     /* cm/s; FRAY_FREE only, default 0 */
+  int is_handle;         /* of a hand, with mass: FRAY_FREE, drawn to its proxy */
+  exact coupling;        /* g/s2, default 1 N/mm */
+  exact coupling_damping; /* s: its damping over its stiffness; below 0: 6 ticks */
+  exact hand_scale, force_scale; /* of the way, of the force; defaults 1 */
+  scene_rotation hand_rotation; /* the device's axes */
+  int has_hand_offset;
+  exact hand_offset[3];  /* cm: where the device's origin is; default: by START */
   int has_attach;
   exact attach_within;   /* crossings no farther than this from its surface are attached; 0 or less: inside
                             of it only */
@@ -217,6 +224,8 @@ typedef struct {
     exact force_rate;     /* N/s, default 4000 */
     exact speed;          /* cm/s at most of a body behind its hand, default 200 */
     exact ramp_up, ramp_down; /* s, defaults 0.1 and 0.01 */
+    exact reserve;        /* J, default 0.01 */
+    uint32_t delay;       /* ticks, default 2 */
   } hands;
 } scene;
 

@@ -38,6 +38,7 @@ static const unit table[] = {
     {UNIT_AREAL_DENSITY, "kg/m2", 1, 10, 0},
     {UNIT_STIFFNESS, "g/s2", 1, 1, 1},
     {UNIT_STIFFNESS, "N/m", 1000, 1, 0},
+    {UNIT_STIFFNESS, "N/mm", 1000000, 1, 0},
     {UNIT_PER_LENGTH, "/cm", 1, 1, 1},
     {UNIT_PER_LENGTH, "/mm", 10, 1, 0},
     {UNIT_PER_LENGTH, "/m", 1, 100, 0},
@@ -54,6 +55,9 @@ static const unit table[] = {
     {UNIT_PRESSURE, "kPa", 1000, 1, 0},
     {UNIT_PRESSURE, "MPa", 1000000, 1, 0},
     {UNIT_PRESSURE, "GPa", 1000000000, 1, 0},
+    {UNIT_ENERGY, "J", 1, 1, 1},
+    {UNIT_ENERGY, "mJ", 1, 1000, 0},
+    {UNIT_ENERGY, "uJ", 1, 1000000, 0},
 };
 
 enum { UNITS = sizeof table / sizeof table[0] };
@@ -88,6 +92,7 @@ const char *units_quantity_name(unit_quantity quantity) {
     case UNIT_ANGLE: return "angle";
     case UNIT_BENDING: return "bending stiffness";
     case UNIT_PRESSURE: return "pressure";
+    case UNIT_ENERGY: return "energy";
   }
   return "?";
 }

@@ -24,7 +24,8 @@ typedef enum {
   UNIT_SHARE, /* the unit may be left out: 0.05 is 5 % */
   UNIT_ANGLE,
   UNIT_BENDING,
-  UNIT_PRESSURE
+  UNIT_PRESSURE,
+  UNIT_ENERGY
 } unit_quantity;
 
 /* The name of the unit of that quantity that the text is; NULL: none. */
