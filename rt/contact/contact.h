@@ -14,8 +14,8 @@ void contact_primitives_solve(fray_world *w); /* narrow phase, push-out and fric
 void contact_vertices_solve(fray_world *w);   /* with rigid meshes: CCD; of triangles too in some worlds */
 void contact_update_velocity(fray_world *w);  /* a touching particle keeps no velocity away from the body */
 
-/* Of elastic yarns, in place of contact_primitives_solve(): within an elastic step, behind its forces and before
- * its motion. Cost: linear in the contacts gathered. */
+/* Of elastic yarns, in place of contact_primitives_solve(): within an elastic step, behind its forces and
+ * before its motion. Cost: linear in the contacts gathered. */
 typedef struct {
   int32_t number; /* of 2^bits in a substep */
   unsigned bits;

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Contact of elastic yarns with spheres, capsules, boxes and planes at the velocity, in each elastic step. A
- * push of positions once a substep, beside steps that know nothing of it, stores k d^2 / 2 in the links around
- * each particle that it moves by d. So a particle that would pass the body's surface in this step gets the
- * impulse along the normal that stops it there, and friction within the Coulomb cone; from inside it comes out
- * at STEP_RISE_UM_S at most.
+ * push of positions once a substep, beside steps that know nothing of it, stores k d^2 / 2 in the links
+ * around each particle that it moves by d. So a particle that would pass the surface in this step gets the
+ * impulse along the normal n that stops it there, and friction within the Coulomb cone; from inside it comes
+ * out at STEP_RISE_UM_S at most.
  *
- * With the velocities v- before the pull of a step and v+ behind this impulse, the energy of the leapfrog step
- * changes by lambda n.(v- + v+) / 2, relative to the body. n.v+ is -gap / dt, and n.v- no higher than what led
- * to the gap: a contact takes energy, and gives no more than the work of its body. */
+ * With velocities v- before the pull of a step and v+ behind the impulse, relative to the body, the energy of
+ * the leapfrog step changes by lambda n.(v- + v+) / 2. n.v+ is -gap / dt, and the gap is that of the step
+ * before plus n.v- dt: so it changes by -lambda / 2 dt times the gap of the step before, not above 0. A
+ * contact takes energy, and gives no more than the work of its body. */
 #include "rt/contact/contact.h"
 #include "rt/contact/shape.h"
 #include "rt/elastic/step_impulse.h"
