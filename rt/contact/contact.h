@@ -14,6 +14,16 @@ void contact_primitives_solve(fray_world *w); /* narrow phase, push-out and fric
 void contact_vertices_solve(fray_world *w);   /* with rigid meshes: CCD; of triangles too in some worlds */
 void contact_update_velocity(fray_world *w);  /* a touching particle keeps no velocity away from the body */
 
+/* Of elastic yarns, in place of contact_primitives_solve(): within an elastic step, behind its forces and
+ * before its motion. Cost: linear in the contacts gathered. */
+typedef struct {
+  int32_t number; /* of 2^bits in a substep */
+  unsigned bits;
+  int32_t rise; /* step_rise_of() */
+  vec3 gravity; /* the step's part, Q28 lu per substep */
+} yarn_step;
+void contact_steps_solve(fray_world *w, const yarn_step *step);
+
 /* A free body beside woven cloth is put out of planes, and stops there. */
 void contact_planes_push(fray_world *w, uint32_t b);
 

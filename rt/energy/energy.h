@@ -50,10 +50,17 @@ static inline void energy_bodies(fray_world *w) { ENERGY_HOOK(energy_close_bodie
 static inline void energy_moves(fray_world *w) { ENERGY_HOOK(energy_close_moves(w)); }
 /* Velocities have followed. */
 static inline void energy_velocities(fray_world *w) { ENERGY_HOOK(energy_close_velocities(w)); }
-/* All particles of elastic yarns have moved by an elastic step. */
+/* Elastic yarns have pulled: until particles have moved by an elastic step, the velocity of before counts. */
+static inline void energy_pulled(fray_world *w) {
+  (void)w;
+#if FRAY_ENERGY
+  w->energy.pulled = 1;
+#endif
+}
 static inline void energy_elastic_step(fray_world *w) {
   (void)w;
 #if FRAY_ENERGY
+  w->energy.pulled = 0;
   w->energy.passed += 1;
 #endif
 }

@@ -165,10 +165,11 @@ static void measure_yarns(const fray_world *w, energy_stored *e) {
     add_spring(w, &law, i, j, d, &sums, &held);
   }
   e->yarns = wide_shift_up(sums.energy, steps_bits);
-  e->form = wide_add(e->form, wide_shift_down(sums.power, 1));
+  const int64_t sign = w->energy.pulled ? -1 : 1;
+  e->form = wide_add(e->form, wide_times(sums.power, sign, 1));
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
     for (uint32_t n = 0; n < 3; ++n)
-      e->pull[b][n] = wide_add(e->pull[b][n], wide_shift_down(held.pull[b][n], 1));
+      e->pull[b][n] = wide_add(e->pull[b][n], wide_times(held.pull[b][n], sign, 1));
 }
 
 /* k g^2 / 2, k = kappa (m / 2) / h^2, h the time between passes. */

@@ -163,6 +163,7 @@ fray_work fray_work_bound(const fray_world *w) {
   fray_work most;
   bytes_zero(&most, sizeof most);
   most.contacts = w->capacity[POOL_CONTACTS] * (uint32_t)p->substeps;
+  if (world_has_elastic_yarns(w)) most.contacts <<= (uint32_t)w->woven.elastic_params->steps_bits;
   for (uint32_t b = 0; b < (uint32_t)p->bodies; ++b)
     if (body_is_primitive(&w->rigid.bodies[b])) most.broad_phase_tests += free_particles;
   if (world_has_membrane(w))

@@ -39,6 +39,7 @@ typedef struct {
   int watched;
   int begun;      /* `last` is known */
   int displaced;  /* positions are off their predictions, and velocities will follow */
+  int32_t pulled; /* 1 between the pull of elastic yarns and the motion by it */
   int32_t passed; /* moves of particles since bend and shear springs acted */
   uint64_t ticks;
   energy_stored last; /* when the last stage ended */

@@ -3,8 +3,9 @@
  *
  * Bend and shear springs (Metaaphanon 2009, section 3.2), explicit, once a tick on velocities, beside
  * elastic yarns once a substep: bend springs connect every other particle of a yarn; shear springs are the
- * diagonals of the cells and act under compression only. At Table 1's constants their fastest vibration takes 40 ms, far above a tick. Impulses
- * are equal and opposite; of a spring with an attached end, the body gets the impulse of that end.
+ * diagonals of the cells and act under compression only. At Table 1's constants their fastest vibration takes
+ * 40 ms, far above a tick. Impulses are equal and opposite; of a spring with an attached end, the body gets
+ * the impulse of that end.
  *
  * With d = p_j - p_i the change of velocity is gain * s * d, s = 1 - rest/|d|. In 32-bit products: d is
  * taken in units that make the rest length 13 bits, t = |d|^2/rest^2 is Q15 and clamped to 1/32..2, s comes

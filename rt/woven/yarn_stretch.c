@@ -16,6 +16,8 @@
  * order of the links, those of damping, which come before them, do.
  *
  * Positions move by v / 2^b and keep the remainder of rounding. */
+#include "rt/contact/contact.h"
+#include "rt/elastic/step_impulse.h"
 #include "rt/energy/energy.h"
 #include "rt/simd/simd.h"
 #include "rt/state/crossing.h"
@@ -191,15 +193,24 @@ void yarn_stretch_run(fray_world *w) {
   begin_axis(w, 0, w->p.vx, rounding[0], w->p.rx);
   begin_axis(w, 1, w->p.vy, rounding[1], w->p.ry);
   begin_axis(w, 2, w->p.vz, rounding[2], w->p.rz);
+  yarn_step now = {0, bits, step_rise_of(w), {0, 0, 0}};
   for (int32_t step = 0; step < 1 << bits; ++step) {
+    const vec3 gravity = vec_make(gravity_part(g.x, step, bits), gravity_part(g.y, step, bits),
+                                  gravity_part(g.z, step, bits));
     apply_forces(w, &s);
+    energy_pulled(w);
     if (world_has_yarns(w)) yarn_slip_apply(w);
+    energy_stage(w, FRAY_ENERGY_STEPS);
+    now.number = step;
+    now.gravity = gravity;
+    contact_steps_solve(w, &now);
+    energy_stage(w, FRAY_ENERGY_CONTACT);
     (void)advance_axis(w->p.x, rounding[0], w->p.vx, 0, attached, 0, bits);
     (void)advance_axis(w->p.y, rounding[1], w->p.vy, 0, attached, 0, bits);
     (void)advance_axis(w->p.z, rounding[2], w->p.vz, 0, attached, 0, bits);
-    at_edge |= advance_axis(w->p.x, rounding[0], w->p.vx, attached, end, gravity_part(g.x, step, bits), bits);
-    at_edge |= advance_axis(w->p.y, rounding[1], w->p.vy, attached, end, gravity_part(g.y, step, bits), bits);
-    at_edge |= advance_axis(w->p.z, rounding[2], w->p.vz, attached, end, gravity_part(g.z, step, bits), bits);
+    at_edge |= advance_axis(w->p.x, rounding[0], w->p.vx, attached, end, gravity.x, bits);
+    at_edge |= advance_axis(w->p.y, rounding[1], w->p.vy, attached, end, gravity.y, bits);
+    at_edge |= advance_axis(w->p.z, rounding[2], w->p.vz, attached, end, gravity.z, bits);
     energy_elastic_step(w);
   }
   end_axis(w, w->p.qx, w->p.rx, w->p.x);

@@ -27,13 +27,21 @@ static const char slides[] =
     " structural 838 g/s2\n bend 0.778 g/s2\n shear 3.719 g/s2\n tear 8.3 8.98 %\n orientation vertical\n"
     " drag 0 /s\n yarns on\n stretch 0.0655 N\n}\npin column left\npin column right\nslit warp 6 0 6\n";
 
+/* It tears loose and falls on planes. */
+static const char stretch_on_planes[] =
+    "scene stretch_planes\nrate 1000 Hz\nseed 690153157\nsubsteps 8\n"
+    "woven {\n warps 14\n wefts 20\n spacing 10.3976 /cm\n thickness 0.01539 cm\n density 0.01928 g/cm2\n"
+    " tear 8.33 15.61 %\n orientation vertical\n gather 1.7 %\n pleats 2\n drag 0 /s\n stretch 0.0219 N\n}\n"
+    "plane b0 {\n at 0 -1.0426 0 cm\n friction 0.02\n}\nplane b1 {\n at 0 -1.7036 0 cm\n friction 0.40\n}\n";
+
 static const struct {
   const char *name, *text;
   uint32_t ticks;
 } cases[] = {{"edge", at_the_edge, 800},
              {"edge_stretch", stretch_at_the_edge, 800},
              {"springs", springs, 200},
-             {"slides", slides, 60}};
+             {"slides", slides, 60},
+             {"stretch_planes", stretch_on_planes, 150}};
 
 static double net_of(const fray_energy_account *a, uint32_t stage) {
   return (double)a->made[stage] - (double)a->lost[stage];

@@ -44,6 +44,7 @@ function rounds(what) {
   if (what == "axis_predictions") return 3 * (triangles ? (particles - held) * substeps : most["predictions"])
   if (what == "axis_places") return 3 * (triangles ? particles - held : most["predictions"] / substeps)
   if (what == "gathers") return most[what] - planes * (particles - held)
+  if (what == "contact_steps") return contact_steps
   if (what == "contacts" || what == "tear_tests" || what == "cuts") return most[what]
   if (what == "plane_gathers") return planes * (particles - held)
   if (what == "enlisted") return most["contacts"] / substeps + bodies
@@ -124,6 +125,8 @@ $1 == "limits" {
   spring_batches *= pulls; springs_held *= pulls
   triangles = $45; sheet_inner = $46; folds = $47; cloths = $48; kind_changes = $49; limited = $50; constraints = $51
   most["predictions"] = $25; most["projections"] = $26; most["springs"] = $27; most["contacts"] = $28
+  contact_steps = (stretches != 0) * most["contacts"] # of elastic yarns in each elastic step
+  if (stretches != 0) most["contacts"] /= inner_steps
   most["gathers"] = $29; most["tear_tests"] = $30; most["cuts"] = $32
   if (triangles != 0) most["tear_tests"] = most["cuts"] = 0 # those of rows
   depth = rises = 0

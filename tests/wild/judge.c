@@ -192,13 +192,14 @@ static double sum_of(const fray_energy_account *a, uint32_t n) {
 }
 
 /* What a stage made less what it lost. A projected link stores nothing, and draws at rest; what holds its
- * ends takes that back (README.md, "Made"). */
-static double net_of(const fray_energy_account *a, uint32_t n) {
-  static const fray_energy_stage holds[] = {FRAY_ENERGY_SLIP, FRAY_ENERGY_CONTACT,
-                                            FRAY_ENERGY_SELF_COLLISION};
-  double net = sum_of(a, n);
-  for (uint32_t k = 0; n == FRAY_ENERGY_LIMITS && k < 3; ++k) net += fmin(sum_of(a, holds[k]), 0);
-  return net;
+ * ends takes that back. So where links are projected, they and pushes of bodies are judged by what all that
+ * moves positions in a substep has made (README.md, "Made"). */
+static double net_of(const judged *j, const fray_energy_account *a, uint32_t n) {
+  const int is_projected = !world_has_membrane(j->watched.w) && !world_has_elastic_yarns(j->watched.w);
+  const double net = sum_of(a, n);
+  if (!is_projected || (n != FRAY_ENERGY_LIMITS && n != FRAY_ENERGY_CONTACT)) return net;
+  return sum_of(a, FRAY_ENERGY_LIMITS) + sum_of(a, FRAY_ENERGY_CONTACT) +
+         fmin(sum_of(a, FRAY_ENERGY_SLIP), 0) + fmin(sum_of(a, FRAY_ENERGY_SELF_COLLISION), 0);
 }
 
 /* A strain beyond the largest has a force and no energy: what elastic steps make in such a tick says nothing.
@@ -242,7 +243,7 @@ static void judge_energy(judged *j, uint32_t tick, uint32_t faults, judge_result
   j->rounding += f->substeps * (sqrt(2 * fmax(moving, 0) * j->mass) * speed_step +
                                 moves * j->mass * speed_step * moves * speed_step * moves);
   for (uint32_t n = 0; n < FRAY_ENERGY_STAGES; ++n) {
-    const double net = excused_net(j, n, net_of(&a, n) * unit, faults);
+    const double net = excused_net(j, n, net_of(j, &a, n) * unit, faults);
     const double allowed = 0.01 * j->turned + j->rounding;
     if (net > allowed) find(r, JUDGE_MADE + n, tick, net, allowed);
   }
