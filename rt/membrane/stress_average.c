@@ -60,8 +60,6 @@ static int32_t mean_stress(int64_t sum, uint64_t weight) {
   return sum < 0 ? -mean : mean;
 }
 
-static int32_t held(int32_t stress) { return fx_clamp(stress, -STRESS_AVERAGE_MAX, STRESS_AVERAGE_MAX); }
-
 sym2 stress_average(fray_world *w, uint32_t vertex, int32_t radius) {
   average_search a = {w, trimesh_at(&w->trimesh, vertex), 9 * fx_square(radius), 0, ++w->membrane.averages, 0, {0}};
   int64_t sum[3] = {0, 0, 0};
@@ -78,9 +76,9 @@ sym2 stress_average(fray_world *w, uint32_t vertex, int32_t radius) {
     const uint64_t share = fx_mul_wide_u(left, left) >> 30;
     const int32_t weight = (int32_t)(share * w->trimesh.area[t] >> 30);
     const material_tensor *stress = &w->membrane.stress[t];
-    sum[0] = fx_add64(sum[0], fx_mul_wide(held(stress->uu), weight));
-    sum[1] = fx_add64(sum[1], fx_mul_wide(held(stress->vv), weight));
-    sum[2] = fx_add64(sum[2], fx_mul_wide(held(stress->uv), weight));
+    sum[0] = fx_add64(sum[0], fx_mul_wide(stress_average_held(stress->uu), weight));
+    sum[1] = fx_add64(sum[1], fx_mul_wide(stress_average_held(stress->vv), weight));
+    sum[2] = fx_add64(sum[2], fx_mul_wide(stress_average_held(stress->uv), weight));
     weights += (uint32_t)weight;
   }
   if (weights == 0) return mean;

@@ -9,6 +9,10 @@
 
 enum { STRESS_AVERAGE_TRIANGLES = 256, STRESS_AVERAGE_MAX = 1 << 26 /* Q12 N/m: entries are held to it */ };
 
+static inline int32_t stress_average_held(int64_t stress) {
+  return (int32_t)fx_clamp64(stress, -STRESS_AVERAGE_MAX, STRESS_AVERAGE_MAX);
+}
+
 /* Forgets which triangles were looked at. Once a tick, before the first average. Cost: linear in triangles. */
 void stress_average_begin(fray_world *w);
 
