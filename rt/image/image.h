@@ -7,8 +7,8 @@
  *
  * The CRC-32 covers everything behind its own word. It finds damage, not intent: an image from
  * an untrusted hand is safe to load (every field is checked) but not thereby authentic.
- * Two versions are read, 3.0 and 3.1 of worlds that need its features; others are refused. What only some worlds need stands in sections of its own,
- * and the capacities say which of them there are. */
+ * Two versions are read, 3.0 and 3.1 of worlds that need its features; others are refused. What only some
+ * worlds need stands in sections of its own, and the capacities say which of them there are. */
 #ifndef FRAY_IMAGE_IMAGE_H
 #define FRAY_IMAGE_IMAGE_H
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Cracks of an isotropic sheet, once a tick: by the largest principal stress, averaged over a length of the
- * material (stress_average.h), where it is above `breaks`.
+/* Cracks of an isotropic sheet, once a tick: by the largest principal stress, averaged over a length of
+ * the material (stress_average.h), where it is above `breaks`.
  *
- *   a crack begins  where it is largest, across it: to both sides of a vertex inside; or, if there is one within
- *                   that length, inward from the vertex on the boundary whose own triangles bear most. After the first only where `many` says so, farther than that length
- *                   from every tip
- *   a tip goes on   by an edge a tick, across its own stress, forward (trimesh_advance.h); it ends where it meets
- *                   a boundary
+ *   a crack begins  where it is largest, across it: to both sides of a vertex inside; or, if there is one
+ *                   within that length, inward from the vertex on the boundary whose own triangles bear most.
+ *                   After the first only where `many` says so, farther than that length from every tip
+ *   a tip goes on   by an edge a tick, across its own stress, forward (trimesh_advance.h); it ends where it
+ *                   meets a boundary
  *
  * (Haptic tearing of 2017, section V: the eigenvector of the largest eigenvalue, then the tip alone.) After a
  * crack none goes on for `cooldown` ticks, in which the stress finds its new balance. */

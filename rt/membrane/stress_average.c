@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* stress_average.h has the contract. Triangles are found across their edges, so none beyond a crack counts.
+/* stress_average.h has the contract. Triangles are found across edges: none beyond a crack counts.
  *
- *   middle     sum of the corners, from three times the vertex, Q24 lu: its square over that of 3 radius is r^2
+ *   middle     sum of the corners, from three times the vertex, Q24 lu: its square is r^2 of 3 radius
  *   weight     Q30 lu^2, below 2^27
  *   sums       stress times weight, of 256: below 2^61 */
 #include "rt/membrane/stress_average.h"
@@ -61,7 +61,8 @@ static int32_t mean_stress(int64_t sum, uint64_t weight) {
 }
 
 sym2 stress_average(fray_world *w, uint32_t vertex, int32_t radius) {
-  average_search a = {w, trimesh_at(&w->trimesh, vertex), 9 * fx_square(radius), 0, ++w->membrane.averages, 0, {0}};
+  average_search a = {w, trimesh_at(&w->trimesh, vertex), 9 * fx_square(radius), 0,
+                      ++w->membrane.averages, 0, {0}};
   int64_t sum[3] = {0, 0, 0};
   uint64_t weights = 0;
   sym2 mean = {0, 0, 0};
