@@ -7,8 +7,9 @@
  *
  * The CRC-32 covers everything behind its own word. It finds damage, not intent: an image from
  * an untrusted hand is safe to load (every field is checked) but not thereby authentic.
- * Two versions are read: 3.0, and 3.1 of worlds with an isotropic sheet or handles; another one is refused. What only some
- * worlds need stands in sections of its own, and capacities and features say which of them there are. */
+ * Two versions are read: 3.0, and 3.1 of worlds with an isotropic sheet or handles; another one is refused.
+ * What only some worlds need stands in sections of its own, and capacities and features say which of them
+ * there are. */
 #ifndef FRAY_IMAGE_IMAGE_H
 #define FRAY_IMAGE_IMAGE_H
 
@@ -30,8 +31,8 @@ enum {
   IMAGE_ALIGN = 16,
   IMAGE_CRC_FROM = 4 * (IMAGE_CRC_WORD + 1)
 };
-/* Features: ids are 16 bits wide (no row, particle or triangle number needs more); the membrane is isotropic, by the
- * law of membrane/corotational.h; it breaks; hands move handles. All but the first need version 3.1. */
+/* Features: ids are 16 bits wide (no row, particle or triangle number needs more); the membrane is isotropic,
+ * by the law of membrane/corotational.h; it breaks; hands move handles. All but the first need version 3.1. */
 enum { IMAGE_SHORT_IDS = 1, IMAGE_COROTATIONAL = 2, IMAGE_CRACKS = 4, IMAGE_HANDLES = 8 };
 _Static_assert(IMAGE_CAPACITY_WORD + POOLS_IN_HEADER == IMAGE_HEADER_WORDS, "capacities fit the header");
 

@@ -151,7 +151,7 @@ static void add_membrane(const fray_world *w, fray_work *most) {
   most->tears = (uint32_t)w->trimesh.params->materials;
   if (!world_has_cracks(w)) return;
   most->tears = CRACK_TIPS + 2;
-  most->eigenvalues = w->capacity[POOL_PARTICLES] + CRACK_TIPS;
+  most->eigenvalues = 2u * w->capacity[POOL_PARTICLES] + CRACK_TIPS + 1u;
 }
 
 fray_work fray_work_bound(const fray_world *w) {

@@ -7,10 +7,10 @@
  *   T     = c (U - 1)                   force over length at rest: what tears go by
  *   S     = T U^-1,  U^-1 = (adj C + J) / (t J):  2 mu - (2 mu - lambda (t - 2)) U^-1
  *
- * U^-1 grows without bound where a triangle is pressed to a line, and turns over there. So a principal stretch
- * l below 1/2 counts as l^2 - 3/4, in place of l - 1: force and energy go on, and the force fades to nothing
- * with l. No slope is above 1.22 times that at rest, for a Poisson's ratio of at most 0.4; those above have
- * 11/10 of the steps (tools/scene_compiler/membrane_params.c).
+ * U^-1 grows without bound where a triangle is pressed to a line, and turns over there. So a principal
+ * stretch l below 1/2 counts as l^2 - 3/4, in place of l - 1: force and energy go on, and the force fades to
+ * nothing with l. No slope is above 1.22 times that at rest, for a Poisson's ratio of at most 0.4; those
+ * above have 11/10 of the steps (tools/scene_compiler/membrane_params.c).
  *
  *   U - 1, G, U^-1   Q28   stretches are below 3
  *   S, T             that of c, saturated */

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Cracks of an isotropic sheet, once a tick: by the largest principal stress, averaged over a length of the
- * material (stress_average.h), where it is above `breaks`.
+/* Cracks of an isotropic sheet, once a tick: by the largest principal stress, averaged over a length of
+ * the material (stress_average.h), where it is above `breaks`.
  *
- *   a crack begins  at the vertex where it is largest, across it: to both sides of a vertex inside, inward from
- *                   one on the boundary. After the first only where `many` says so, farther than that length
- *                   from every tip
- *   a tip goes on   by an edge a tick, across its own stress, forward (trimesh_advance.h); it ends where it meets
- *                   a boundary
+ *   a crack begins  where it is largest, across it: to both sides of a vertex inside; or, if there is one
+ *                   within that length, inward from the vertex on the boundary whose own triangles bear most.
+ *                   After the first only where `many` says so, farther than that length from every tip
+ *   a tip goes on   by an edge a tick, across its own stress, forward (trimesh_advance.h); it ends where it
+ *                   meets a boundary
  *
  * (Haptic tearing of 2017, section V: the eigenvector of the largest eigenvalue, then the tip alone.) After a
  * crack none goes on for `cooldown` ticks, in which the stress finds its new balance. */
@@ -143,16 +143,38 @@ static int mark_loaded(fray_world *w) {
   return any;
 }
 
+/* Within the length of the average. */
+static int are_near(const fray_world *w, uint32_t a, uint32_t b) {
+  const trimesh *s = &w->trimesh;
+  return fx_square(fx_sub(s->u[a], s->u[b])) + fx_square(fx_sub(s->v[a], s->v[b])) <=
+         fx_square(w->membrane.crack_constants->average);
+}
+
 static int is_far_from_tips(const fray_world *w, uint32_t vertex) {
   const crack_state *c = w->membrane.cracks;
-  const trimesh *s = &w->trimesh;
-  for (uint32_t n = 0; n < (uint32_t)c->tips; ++n) {
-    const uint32_t tip = (uint32_t)c->tip[n].vertex;
-    const uint64_t squared =
-        fx_square(fx_sub(s->u[tip], s->u[vertex])) + fx_square(fx_sub(s->v[tip], s->v[vertex]));
-    if (squared <= fx_square(w->membrane.crack_constants->average)) return 0;
-  }
+  for (uint32_t n = 0; n < (uint32_t)c->tips; ++n)
+    if (are_near(w, (uint32_t)c->tip[n].vertex, vertex)) return 0;
   return 1;
+}
+
+/* The largest principal stress of a vertex's own triangles, by their areas. */
+static int32_t stress_of_ring(fray_world *w, uint32_t vertex) {
+  trimesh_ring ring;
+  int64_t sum[3] = {0, 0, 0};
+  int64_t area = 0;
+  trimesh_ring_of(&w->trimesh, vertex, &ring);
+  for (uint32_t n = 0; n < ring.count; ++n) {
+    const material_tensor *stress = &w->membrane.stress[ring.triangle[n]];
+    const int32_t weight = (int32_t)w->trimesh.area[ring.triangle[n]];
+    sum[0] = fx_add64(sum[0], fx_mul_wide(stress->uu, weight));
+    sum[1] = fx_add64(sum[1], fx_mul_wide(stress->vv, weight));
+    sum[2] = fx_add64(sum[2], fx_mul_wide(stress->uv, weight));
+    area += weight;
+  }
+  const sym2 mean = {stress_average_held(sum[0] / area), stress_average_held(sum[1] / area),
+                     stress_average_held(sum[2] / area)};
+  ++w->work.eigenvalues;
+  return sym2_eigen_of(mean).major;
 }
 
 /* Into the sheet, from a vertex on the boundary: halfway between the two edges there. */
@@ -182,7 +204,8 @@ static void begin_one(fray_world *w, uint32_t vertex, crack_way way) {
   c->tip[c->tips++] = tip;
 }
 
-static void begin_at(fray_world *w, uint32_t vertex, crack_way across) {
+static void begin_at(fray_world *w, uint32_t vertex) {
+  const crack_way across = load_at(w, vertex).across;
   FRAY_ASSERT(w->membrane.cracks->tips + 2 <= CRACK_TIPS);
   if (trimesh_is_boundary(&w->trimesh, vertex)) {
     begin_one(w, vertex, forward_of(across, inward_of(&w->trimesh, vertex)));
@@ -192,18 +215,34 @@ static void begin_at(fray_world *w, uint32_t vertex, crack_way across) {
   }
 }
 
+/* The average is less at the end of a notch, whose sides bear nothing, than before it. */
+static uint32_t boundary_near(fray_world *w, uint32_t vertex) {
+  uint32_t best = vertex;
+  int32_t largest = 0;
+  for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
+    if (w->membrane.max_stress[p].x == 0 || !trimesh_is_boundary(&w->trimesh, p) || !are_near(w, p, vertex) ||
+        !is_far_from_tips(w, p))
+      continue;
+    const int32_t stress = stress_of_ring(w, p);
+    if (stress <= largest) continue;
+    best = p;
+    largest = stress;
+  }
+  return best;
+}
+
 static void begin_crack(fray_world *w) {
   uint32_t best = TRIMESH_NONE;
-  crack_load largest = {w->membrane.crack_constants->breaks, {0, 0}};
+  int32_t largest = w->membrane.crack_constants->breaks;
   if (w->membrane.cracks->tips + 2 > CRACK_TIPS || !mark_loaded(w)) return;
   for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
     if (w->membrane.max_stress[p].x == 0 || !is_far_from_tips(w, p)) continue;
-    const crack_load load = load_at(w, p);
-    if (load.stress <= largest.stress) continue;
+    const int32_t stress = load_at(w, p).stress;
+    if (stress <= largest) continue;
     best = p;
-    largest = load;
+    largest = stress;
   }
-  if (best != TRIMESH_NONE) begin_at(w, best, largest.across);
+  if (best != TRIMESH_NONE) begin_at(w, boundary_near(w, best));
 }
 
 void crack_advance(fray_world *w) {

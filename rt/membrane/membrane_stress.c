@@ -7,8 +7,9 @@
  *   c        stiffness at the smoothed strain (2.59)           Q12 N/m   material_stiffness()
  *   stress   c G (2.60), times membrane_softening(), Q30       Q12 N/m   material_stress()
  *
- * (Karaoz 2015.) Of an isotropic sheet it is T of corotational.h. c stays in `gains` until membrane_gains_update() makes gains of it, with which
- * membrane_force.c computes the force in each elastic step. */
+ * (Karaoz 2015.) Of an isotropic sheet it is T of corotational.h. c stays in `gains` until
+ * membrane_gains_update() makes gains of it, with which membrane_force.c computes the force in each
+ * elastic step. */
 #include "rt/membrane/corotational.h"
 #include "rt/membrane/membrane.h"
 #include "rt/simd/simd.h"

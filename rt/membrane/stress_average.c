@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* stress_average.h has the contract. Triangles are found across their edges, so none beyond a crack counts.
+/* stress_average.h has the contract. Triangles are found across edges: none beyond a crack counts.
  *
- *   middle     sum of the corners, from three times the vertex, Q24 lu: its square over that of 3 radius is r^2
+ *   middle     sum of the corners, from three times the vertex, Q24 lu: its square is r^2 of 3 radius
  *   weight     Q30 lu^2, below 2^27
  *   sums       stress times weight, of 256: below 2^61 */
 #include "rt/membrane/stress_average.h"
@@ -60,10 +60,9 @@ static int32_t mean_stress(int64_t sum, uint64_t weight) {
   return sum < 0 ? -mean : mean;
 }
 
-static int32_t held(int32_t stress) { return fx_clamp(stress, -STRESS_AVERAGE_MAX, STRESS_AVERAGE_MAX); }
-
 sym2 stress_average(fray_world *w, uint32_t vertex, int32_t radius) {
-  average_search a = {w, trimesh_at(&w->trimesh, vertex), 9 * fx_square(radius), 0, ++w->membrane.averages, 0, {0}};
+  average_search a = {w, trimesh_at(&w->trimesh, vertex), 9 * fx_square(radius), 0,
+                      ++w->membrane.averages, 0, {0}};
   int64_t sum[3] = {0, 0, 0};
   uint64_t weights = 0;
   sym2 mean = {0, 0, 0};
@@ -78,9 +77,9 @@ sym2 stress_average(fray_world *w, uint32_t vertex, int32_t radius) {
     const uint64_t share = fx_mul_wide_u(left, left) >> 30;
     const int32_t weight = (int32_t)(share * w->trimesh.area[t] >> 30);
     const material_tensor *stress = &w->membrane.stress[t];
-    sum[0] = fx_add64(sum[0], fx_mul_wide(held(stress->uu), weight));
-    sum[1] = fx_add64(sum[1], fx_mul_wide(held(stress->vv), weight));
-    sum[2] = fx_add64(sum[2], fx_mul_wide(held(stress->uv), weight));
+    sum[0] = fx_add64(sum[0], fx_mul_wide(stress_average_held(stress->uu), weight));
+    sum[1] = fx_add64(sum[1], fx_mul_wide(stress_average_held(stress->vv), weight));
+    sum[2] = fx_add64(sum[2], fx_mul_wide(stress_average_held(stress->uv), weight));
     weights += (uint32_t)weight;
   }
   if (weights == 0) return mean;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The stress around a vertex, averaged over a length of the material: so what a crack needs, and where it goes,
- * depend on that length and not on the mesh. */
+/* The stress around a vertex, averaged over a length of the material: so what a crack needs, and where it
+ * goes, depend on that length and not on the mesh. */
 #ifndef FRAY_MEMBRANE_STRESS_AVERAGE_H
 #define FRAY_MEMBRANE_STRESS_AVERAGE_H
 
@@ -9,7 +9,12 @@
 
 enum { STRESS_AVERAGE_TRIANGLES = 256, STRESS_AVERAGE_MAX = 1 << 26 /* Q12 N/m: entries are held to it */ };
 
-/* Forgets which triangles were looked at. Once a tick, before the first average. Cost: linear in triangles. */
+static inline int32_t stress_average_held(int64_t stress) {
+  return (int32_t)fx_clamp64(stress, -STRESS_AVERAGE_MAX, STRESS_AVERAGE_MAX);
+}
+
+/* Forgets which triangles were looked at. Once a tick, before the first average. Cost: linear in
+ * triangles. */
 void stress_average_begin(fray_world *w);
 
 /* Of triangles whose middle is within `radius` of the vertex at rest, Q24 lu, and that hang together with it

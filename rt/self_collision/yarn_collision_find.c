@@ -270,7 +270,8 @@ static int contact_is_near(const fray_world *w, const yarn_segment *weft, const 
   const yarn_contact *k = &w->woven.contacts[crossing_contact(w, c)];
   const uint32_t end[2] = {weft->crossing[0] % warps + 1u, warp->crossing[0] / warps + 1u};
   for (uint32_t axis = 0; axis < 2; ++axis)
-    if (yarn_places_apart(k->place[axis], end[axis] << YARN_PLACE_BITS) > 3u * (uint32_t)YARN_PLACE_HALF) return 0;
+    if (yarn_places_apart(k->place[axis], end[axis] << YARN_PLACE_BITS) > 3u * (uint32_t)YARN_PLACE_HALF)
+      return 0;
   return 1;
 }
 

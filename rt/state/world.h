@@ -11,7 +11,7 @@
 #include "rt/state/membrane_params.h"
 #include "rt/state/contact_constraint.h"
 #include "rt/state/contact_list.h"
-#include "rt/state/crack.h"
+#include "rt/state/crack_tips.h"
 #include "rt/state/bend_plate.h"
 #include "rt/state/elastic_step.h"
 #include "rt/state/energy_ledger.h"

@@ -14,20 +14,19 @@ typedef struct {
   trimesh_way way;
 } trimesh_step;
 
-/* Opens an edge from a vertex in the direction (du, dv) of rest coordinates, |du|, |dv| <= 2^30. The nearer end
- * of the edge ahead moves onto the path if its one-ring stays stout; else that edge is divided there, if the
- * parts are stout; else an edge beside the path is taken. Cost: two one-rings, and that of trimesh_open_edge().
- */
+/* Opens an edge from a vertex in the direction (du, dv) of rest coordinates, |du|, |dv| <= 2^30. The nearer
+ * end of the edge ahead moves onto the path if its one-ring stays stout; else that edge is divided there, if
+ * the parts are stout; else an edge beside it is taken. Cost: two one-rings, and trimesh_open_edge(). */
 trimesh_result trimesh_advance(fray_world *w, uint32_t vertex, int32_t du, int32_t dv, trimesh_mark mark,
                                trimesh_step *step);
 
 /* No angle is below 15 degrees, and the triangle is no sliver. */
 int trimesh_is_stout(const trimesh *s, trimesh_point a, trimesh_point b, trimesh_point c);
 
-/* Moves a free vertex inside of the sheet along its edge to vertex `to`, at `fraction` of the way, Q16: at rest
- * and in space. Areas of its one-ring are shared out anew, the largest triangle takes what rounding leaves; its
- * velocity is that which keeps the momentum, which rounding leaves to momentum_remainder. TRIMESH_NO_PATH and
- * nothing changed where a triangle would not be stout, or the velocity out of range. */
+/* Moves a free vertex inside of the sheet along its edge to vertex `to`, at `fraction` of the way, Q16: at
+ * rest and in space. Areas of its one-ring are shared out anew, the largest triangle takes what rounding
+ * leaves; its velocity is that which keeps the momentum, which rounding leaves to momentum_remainder.
+ * TRIMESH_NO_PATH and nothing changed where a triangle would not be stout, or the velocity out of range. */
 trimesh_result trimesh_snap(fray_world *w, uint32_t vertex, uint32_t to, uint32_t fraction);
 
 #endif

@@ -175,7 +175,8 @@ static uint32_t divide_edge_between(fray_world *w, uint32_t vertex, const uint32
   uint32_t added = TRIMESH_NONE;
   trimesh_ring_of(&w->trimesh, vertex, &ring);
   for (uint32_t n = 0; n < ring.count; ++n)
-    if (trimesh_ring_end(&w->trimesh, &ring, n) == ends[0] && trimesh_ring_end(&w->trimesh, &ring, n + 1u) == ends[1]) {
+    if (trimesh_ring_end(&w->trimesh, &ring, n) == ends[0] &&
+        trimesh_ring_end(&w->trimesh, &ring, n + 1u) == ends[1]) {
       (void)trimesh_divide_edge(w, ring.triangle[n], ring.corner[n], fraction, &added);
       break;
     }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Cracks of an isotropic sheet: constants, and the tips that go on. See membrane/crack.c. */
-#ifndef FRAY_STATE_CRACK_H
-#define FRAY_STATE_CRACK_H
+#ifndef FRAY_STATE_CRACK_TIPS_H
+#define FRAY_STATE_CRACK_TIPS_H
 
 #include "rt/base/fx.h"
 #include "rt/state/params.h"
@@ -11,8 +11,8 @@ enum { CRACK_TIPS = 32, CRACK_AVERAGE_MAX = 4 * FX_LU };
 
 /*    name              min         max */
 #define CRACK_PARAMS(X) \
-  X(breaks,             1,          MAX_TEAR_STRENGTH) /* Q12 N/m: the principal stress at which it cracks */ \
-  X(average,            1 << 10,    CRACK_AVERAGE_MAX) /* Q24 lu at rest: radius over which stress is averaged */ \
+  X(breaks,             1,          MAX_TEAR_STRENGTH) /* Q12 N/m: principal stress at which it cracks */ \
+  X(average,            1 << 10,    CRACK_AVERAGE_MAX) /* Q24 lu at rest: radius of the average */ \
   X(many,               0,          1)                 /* a crack may begin where others have begun */
 typedef struct {
   int32_t breaks, average, many;
