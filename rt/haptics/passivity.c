@@ -44,7 +44,7 @@ static int64_t meter_hand(fray_world *w, uint32_t h, const int32_t force[3], int
 }
 
 /* Rounded up in size. */
-static int32_t share_of(int64_t over, int32_t moved, int64_t squared) {
+static int32_t brake_share(int64_t over, int32_t moved, int64_t squared) {
   const int64_t size =
       fx_clamp64(over, 0, (int64_t)1 << 44) * (moved < 0 ? -(int64_t)moved : moved);
   const int64_t share = fx_clamp64((size + squared - 1) / squared, 0, HANDLE_CONTROL_MAX);
@@ -65,7 +65,7 @@ void passivity_control(fray_world *w, int32_t force[FRAY_HANDS][3]) {
   for (uint32_t h = 0; h < FRAY_HANDS; ++h) {
     int32_t brake[3];
     for (uint32_t n = 0; n < 3; ++n) {
-      brake[n] = -share_of(over, moved[h][n], squared);
+      brake[n] = -brake_share(over, moved[h][n], squared);
       force[h][n] = fx_saturate((int64_t)force[h][n] + brake[n]);
     }
     (void)count_energy(w->handles.states[h].taken, -work_of(brake, moved[h]));

@@ -9,9 +9,8 @@ static const word_range handle_params_ranges[HANDLE_PARAM_WORDS] = {HANDLE_PARAM
 static const word_range handle_state_ranges[HANDLE_STATE_WORDS] = {HANDLE_STATE(X)};
 #undef X
 
-/* So that a step of spring and damper takes energy: at most a quarter of what a spring bears, half
- * of its unstable 4 with the cloth beside it; and an impulse of the damper that stops the body at
- * most. */
+/* k h^2 / M of an elastic step is at most 1/4, far from 4 with the cloth beside it; and the damper stops the
+ * body beside its proxy at most, so that its impulse takes energy. */
 static int handle_bears(const fray_world *w, const handle_params *k) {
   const uint64_t ratio = (uint32_t)w->rigid.bodies[k->body].mass_ratio;
   const uint64_t steps = (uint32_t)w->membrane.constants->steps;

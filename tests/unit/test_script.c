@@ -78,7 +78,7 @@ static void refused_scripts(void) {
   refused("duration 1 s\n", 2, 1,
           "found the end of the file, expected a hand: left or right { keyframes }");
   refused("\n  speed 3", 2, 3,
-          "found 'speed', expected rate, seed, noise, instance, duration, command, left or right");
+          "found 'speed', expected rate, seed, noise, instance, duration, arm, command, left or right");
   refused("rate 0 Hz", 1, 6, "found '0', expected a whole rate of 1 to 10000");
   refused("rate 1.5 Hz", 1, 6, "found '1.5', expected a whole rate of 1 to 10000");
   refused("rate 1000", 1, 10, "found the end of the file, expected the rate's unit: Hz");
@@ -86,6 +86,10 @@ static void refused_scripts(void) {
   refused("noise 501 um", 1, 7, "found '501', expected a noise of 0 to 500 um");
   refused("noise 1.2345 um", 1, 7,
           "found '1.2345', expected at most 3 digits after the point of a length in um");
+  refused("arm 0.3 g 500 N/m 2", 1, 9, "found 'g', expected the mass's unit: kg");
+  refused("arm 200 kg 500 N/m 2", 1, 5, "found '200', expected a mass of 0.01 to 100 kg");
+  refused("arm 0.3 kg 20000 N/m 2", 1, 12, "found '20000', expected a stiffness of 0 to 10000 N/m");
+  refused("arm 0.3 kg 500 N/m 5", 1, 20, "found '5', expected a delay of 1 to 4 ticks");
   refused("duration 5", 1, 11, "found the end of the file, expected the time's unit: s or ms");
   refused("duration 1e3 s", 1, 10, "found '1e3', expected a time, e.g. 0.5 s");
   refused("duration 1. s", 1, 10, "found '1.', expected a time, e.g. 0.5 s");

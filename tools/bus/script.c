@@ -5,6 +5,7 @@
 
 #include "rt/base/random.h"
 #include "rt/wire/dictionary.h"
+#include "tools/bus/arm.h"
 #include "tools/scene_language/lexer.h"
 
 enum { WORD_MAX_BYTES = 32, TIME_MAX_S = 36000, RATE_MAX = 10000 };
@@ -180,15 +181,38 @@ static int read_rate(parser *p) {
   return 1;
 }
 
+static int read_unit(parser *p, const char *unit, const char *expected) {
+  if (!is(p, unit)) return fail(p, expected);
+  next(p);
+  return 1;
+}
+
+static int read_arm(parser *p) {
+  script *s = p->out;
+  const token mass = p->l.token;
+  if (!read_number(p, &s->arm_mass_mg, "the mass of an arm, e.g. 0.3 kg") ||
+      !read_unit(p, "kg", "the mass's unit: kg"))
+    return 0;
+  if (s->arm_mass_mg < 10000 || s->arm_mass_mg > 100000000) return fail_at(p, &mass, "a mass of 0.01 to 100 kg");
+  const token stiffness = p->l.token;
+  if (!read_number(p, &s->arm_stiffness_un, "the stiffness of an arm, e.g. 500 N/m") ||
+      !read_unit(p, "N/m", "the stiffness's unit: N/m"))
+    return 0;
+  if (s->arm_stiffness_un < 0 || s->arm_stiffness_un > 10000000000)
+    return fail_at(p, &stiffness, "a stiffness of 0 to 10000 N/m");
+  return read_whole(p, 1, ARM_DELAY_MAX, &s->arm_delay, "a delay of 1 to 4 ticks");
+}
+
 static int read_statement(parser *p) {
   static const char *const ONCE[] = {"rate",     "seed", "noise", "instance",
-                                     "duration", "left", "right"};
+                                     "duration", "left", "right", "arm"};
+  enum { STATEMENTS = sizeof ONCE / sizeof ONCE[0] };
   uint32_t which = 0;
-  while (which < 7 && !is(p, ONCE[which])) ++which;
-  if (which == 7 && !is(p, "command")) {
-    return fail(p, "rate, seed, noise, instance, duration, command, left or right");
+  while (which < STATEMENTS && !is(p, ONCE[which])) ++which;
+  if (which == STATEMENTS && !is(p, "command")) {
+    return fail(p, "rate, seed, noise, instance, duration, arm, command, left or right");
   }
-  if (which < 7 && (p->seen >> which & 1u) != 0) {
+  if (which < STATEMENTS && (p->seen >> which & 1u) != 0) {
     return fail(p, "another key: this one was given before");
   }
   p->seen |= 1u << which;
@@ -201,6 +225,7 @@ static int read_statement(parser *p) {
     case 4: return read_time(p, &p->out->duration_us);
     case 5: return read_hand(p, 0);
     case 6: return read_hand(p, 1);
+    case 7: return read_arm(p);
     default: return read_command(p);
   }
 }

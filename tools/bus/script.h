@@ -6,6 +6,7 @@
  *   noise 4 um            # uniform within +-4 um on each axis, default none
  *   instance 0            # which runtime on the bus, default 0
  *   duration 5 s
+ *   arm 0.3 kg 500 N/m 2  # mass, stiffness, ticks of delay; default: a spring of 300 N/m
  *   command 0.1 s start   # start, stop, reset, zero or halt; at rising times
  *   left { 0 s 0 0 0 mm   1 s 0 0 0 mm   5 s -25 2 0 mm }
  *   right { 0 s 0 0 0 mm }
@@ -41,6 +42,8 @@ typedef struct {
 typedef struct {
   uint32_t rate_hz, seed, instance;
   int32_t noise_nm;
+  int64_t arm_mass_mg, arm_stiffness_un; /* un: uN/m; a mass of 0: no arm of its own */
+  uint32_t arm_delay;                    /* ticks, see arm.h */
   int64_t duration_us;
   uint32_t keys[FRAY_HANDS]; /* 0: no such hand */
   script_keyframe key[FRAY_HANDS][SCRIPT_KEYFRAMES];

@@ -29,7 +29,13 @@ void simulated_device_begin(simulated_device *d, const script *s, const device_f
   d->script = s;
   d->faults = *faults;
   for (uint32_t h = 0; h < FRAY_HANDS; ++h)
-    if (s->keys[h] != 0) scripted(d, h, d->handle[h].position);
+    if (s->keys[h] != 0) {
+      simulated_handle *handle = &d->handle[h];
+      scripted(d, h, handle->position);
+      handle->arm = arm_make((double)s->arm_mass_mg * 1e-6, (double)s->arm_stiffness_un * 1e-6, s->arm_delay);
+      memcpy(handle->arm.at, handle->position, sizeof handle->arm.at);
+      memcpy(handle->arm.aim, handle->position, sizeof handle->arm.aim);
+    }
 }
 
 void simulated_device_receive(simulated_device *d, const frame *f) {
@@ -55,6 +61,15 @@ static void push(simulated_handle *h, const double target[3], double tick_s) {
     }
 }
 
+/* Of the script's arm, whose goal is the keyframe's place. */
+static void push_arm(simulated_handle *h, const double target[3], double tick_s) {
+  int16_t force[3];
+  int16_t pose[3];
+  for (int n = 0; n < 3; ++n) force[n] = (int16_t)lrint(h->force[n] / force_newtons);
+  arm_tick(&h->arm, force, target, tick_s, pose);
+  memcpy(h->position, h->arm.at, sizeof h->position);
+}
+
 static void keep_in_reach(simulated_handle *h) {
   const double r = sqrt(h->position[0] * h->position[0] + h->position[1] * h->position[1] +
                         h->position[2] * h->position[2]);
@@ -77,6 +92,8 @@ static fray_pose pose_of(simulated_device *d, uint32_t hand) {
   scripted(d, hand, target);
   if (d->faults.rigid != 0) {
     memcpy(h->position, target, sizeof target);
+  } else if (d->script->arm_mass_mg != 0) {
+    push_arm(h, target, 1.0 / d->script->rate_hz);
   } else {
     push(h, target, 1.0 / d->script->rate_hz);
     keep_in_reach(h);

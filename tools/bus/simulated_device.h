@@ -2,8 +2,8 @@
 /* A simulated two-handed device: an arm that follows a script and yields to forces.
  *
  * Each handle is a mass on the arm's spring and damper:  m x" = k (script - x) - b x' + F, within
- * the reach and the force of a small desktop device (a Falcon: 8 N, 4 cm, 1 kHz). It zeroes its own
- * force after 3 ms without a FORCE frame. Faults of its frames can be injected. */
+ * the reach and the force of a small desktop device (a Falcon: 8 N, 4 cm, 1 kHz), or the arm of the
+ * script. It zeroes its own force after 3 ms without a FORCE frame. Faults of its frames can be injected. */
 #ifndef FRAY_TOOLS_BUS_SIMULATED_DEVICE_H
 #define FRAY_TOOLS_BUS_SIMULATED_DEVICE_H
 
@@ -11,6 +11,7 @@
 
 #include "rt/fray.h"
 #include "rt/wire/frame.h"
+#include "tools/bus/arm.h"
 #include "tools/bus/script.h"
 
 /* Injected faults, per thousand poses, and when. */
@@ -29,6 +30,7 @@ typedef struct {
   uint8_t counter;           /* of the last POSE */
   frame held_back;           /* a pose to be sent after the next one */
   int has_held_back;
+  arm arm;                   /* where the script has one */
 } simulated_handle;
 
 enum { SIMULATED_DEVICE_FRAMES = 8 };

@@ -32,6 +32,7 @@ static void print_usage(FILE *out) {
         "  noise 4 um            on each axis (default none)\n"
         "  instance 0            which runtime on the bus, 0 to 7 (default 0)\n"
         "  duration 5 s\n"
+        "  arm 0.3 kg 500 N/m 2  with --can: mass, stiffness, ticks of delay beside the bus's own\n"
         "  command 0.1 s start   start, stop, reset, zero or halt\n"
         "  left { 0 s 0 0 0 mm  5 s -25 2 0 mm }    keyframes: time, x y z; also right\n"
         "  (all times are within the duration)\n"

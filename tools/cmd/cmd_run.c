@@ -245,6 +245,17 @@ static void print_state(const run_job *j, FILE *out) {
           j->started ? "" : ": the hands never started, no START was accepted; all forces are zero");
 }
 
+/* What the devices at handles were given since START; below 0 they gave. */
+static void print_handles(const run_job *j, FILE *out) {
+  for (uint32_t h = 0; h < FRAY_HANDS; ++h) {
+    fray_handle v;
+    if (fray_view_handle(j->s.world_file.world, h, &v) == 0) continue;
+    fprintf(out, "device       %s was given %.3f mJ since START, %.3f at most; the controller took %.3f mJ\n",
+            h == 0 ? "left" : "right", (double)v.given_nj * 1e-6, (double)v.given_most_nj * 1e-6,
+            (double)v.taken_nj * 1e-6);
+  }
+}
+
 /* Counts of accepted and refused frames of a device log. */
 static void print_input(const replay *log, FILE *out) {
   const port_statistics *p = &log->port;
@@ -283,6 +294,7 @@ static void print_summary(run_job *j, FILE *out, const component *components, ui
     fprintf(out, "breaks       %u of %u springs\n", j->last.tears_total, f->springs[FRAY_STRUCTURAL]);
   if (j->signal != 0) fprintf(out, "ended        by signal %d, before all ticks were run\n", j->signal);
   print_state(j, out);
+  print_handles(j, out);
   print_components(j, out, components, count);
   print_yarns(j, out);
   fault_text_print(out, j->faults);
