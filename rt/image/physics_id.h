@@ -7,6 +7,6 @@
 
 #include <stdint.h>
 
-#define PHYSICS_ID UINT32_C(0xDF840BF2)
+#define PHYSICS_ID UINT32_C(0x68FB3ED4)
 
 #endif

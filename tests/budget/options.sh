@@ -33,6 +33,7 @@ if packages=$(sh tests/target/target.sh needs m3); then
   measure no_triangles -DFRAY_TRIANGLES=0
   measure no_yarns -DFRAY_YARNS=0
   measure no_cracks -DFRAY_CRACKS=0
+  measure no_handles -DFRAY_HANDLES=0
   measure no_meshes -DFRAY_MESHES=0
   measure no_yarn_collision -DFRAY_YARN_COLLISION=0
   measure no_triangle_collision -DFRAY_TRIANGLE_COLLISION=0
