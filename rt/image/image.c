@@ -41,8 +41,10 @@ static int is_saved(const image_array *a, const uint32_t capacity[POOLS]) {
 }
 static uint32_t features_of(const uint32_t capacity[POOLS]) {
   uint32_t features = short_ids(capacity) ? (uint32_t)IMAGE_SHORT_IDS : 0u;
+#if FRAY_CRACKS
   if (capacity[POOL_COROTATIONAL] != 0) features |= IMAGE_COROTATIONAL;
   if (capacity[POOL_CRACKS] != 0) features |= IMAGE_CRACKS;
+#endif
 #if FRAY_HANDLES
   if (capacity[POOL_HANDLES] != 0) features |= IMAGE_HANDLES;
 #endif
@@ -187,9 +189,11 @@ static fray_status read_header(const uint8_t *image, size_t bytes, uint32_t capa
                           "a capacity in its range");
   }
   const uint32_t features = bytes_load32(image + 4 * IMAGE_FEATURES_WORD);
+  derive_pools(capacity);
+#if FRAY_CRACKS
   capacity[POOL_COROTATIONAL] = capacity[POOL_TRIANGLES] != 0 && (features & IMAGE_COROTATIONAL) != 0;
   capacity[POOL_CRACKS] = capacity[POOL_COROTATIONAL] != 0 && (features & IMAGE_CRACKS) != 0;
-  derive_pools(capacity);
+#endif
 #if FRAY_HANDLES
   capacity[POOL_HANDLES] = (features & IMAGE_HANDLES) != 0 ? FRAY_HANDS : 0;
 #endif

@@ -39,8 +39,10 @@ static void hash_sheet(hash *h, const fray_world *w) {
              triangles_in_use(w) * SMOOTHED_STRAIN_WORDS);
   hash_words(h, (const int32_t *)(const void *)w->membrane.bend_states,
              triangles_in_use(w) * BEND_STATE_WORDS);
+#if FRAY_CRACKS
   if (world_has_cracks(w))
     hash_words(h, (const int32_t *)(const void *)w->membrane.cracks, CRACK_STATE_WORDS);
+#endif
 }
 
 void state_hash_begin(const fray_world *w, hash *h) {

@@ -59,7 +59,7 @@ fray_info fray_get_info(const fray_world *w) {
     f.triangles_max = w->capacity[POOL_TRIANGLES];
     f.elastic_steps = (uint32_t)w->membrane.constants->steps;
     f.stiffness_q30 = w->membrane.materials[0].scale;
-    f.corotational = w->features.corotational;
+    f.corotational = (uint32_t)world_is_corotational(w);
   }
   if (world_has_yarn_collision(w) || world_has_triangle_collision(w)) {
     f.self_pairs_max = w->capacity[POOL_YARN_PAIRS] + w->capacity[POOL_TRIANGLE_PAIRS];

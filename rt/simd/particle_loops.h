@@ -24,9 +24,10 @@ static inline uint32_t loop_advance(int32_t *restrict x, int32_t *restrict q, in
     const int32_t step = speed + r[p];
     const int32_t whole = fx_round(step, FX_SUB_BITS);
     const int32_t moved = fx_add(x[p], whole);
-    const int32_t place = fx_clamp_rare(moved, -FX_WORLD_MAX, FX_WORLD_MAX);
+    const int is_inside = fx_magnitude(moved) <= (uint32_t)FX_WORLD_MAX;
+    const int32_t place = is_inside ? moved : moved < 0 ? -FX_WORLD_MAX : FX_WORLD_MAX;
     at_edge |= (uint32_t)(moved ^ place);
-    v[p] = moved == place ? speed : 0;
+    v[p] = is_inside ? speed : 0;
     r[p] = (int8_t)(step - whole * (1 << FX_SUB_BITS));
     x[p] = place;
     q[p] = place;

@@ -34,8 +34,6 @@ typedef struct {
   uint8_t elastic_yarns, rigid_meshes, yarn_collision, triangle_collision;
   uint8_t shear_lock; /* diagonals of woven cloth have a least length */
   uint8_t blades;   /* rigid meshes cut the membrane */
-  uint8_t cracks;   /* an isotropic sheet breaks */
-  uint8_t corotational; /* the membrane is isotropic: membrane/corotational.h */
 } world_features;
 
 #endif

@@ -52,9 +52,11 @@ typedef enum {
   POOLS_IN_HEADER,
   POOL_PATCHES = POOLS_IN_HEADER, /* of triangle self-collision, and pairs of these: by POOL_TRIANGLES */
   POOL_PATCH_PAIRS,
-  POOL_COROTATIONAL, /* 1 iff the membrane is isotropic, else 0: a feature of the header */
-  POOL_CRACKS, /* 1 iff it breaks, in the same way */
   POOL_YARN_CONTACTS, /* crossings that can split: one a spare particle, in worlds with yarns */
+#if FRAY_CRACKS
+  POOL_COROTATIONAL, /* 1 iff the membrane is isotropic, else 0: by the header's features */
+  POOL_CRACKS, /* 1 iff it breaks, in the same way */
+#endif
 #if FRAY_HANDLES
   POOL_HANDLES, /* FRAY_HANDS iff a hand moves a handle, else 0: by the header's features */
 #endif
@@ -121,11 +123,9 @@ typedef struct {
   const material_table *materials;
   const tear_strength *tear_strengths;
   const blade_params *blades;      /* of worlds with blades */
-  const crack_params *crack_constants; /* of worlds with cracks */
   /* state */
   smoothed_strain *smoothed_strains; /* of a triangle */
   bend_state *bend_states;         /* of a triangle */
-  crack_state *cracks;             /* of worlds with cracks */
   /* follows from the mesh */
   bend_shape *bend_shapes;         /* of a triangle */
   /* of one tick */
@@ -157,9 +157,13 @@ typedef struct {
   limited_edge *limited_edges; /* of a substep */
   uint32_t limited_edge_count;
   uint8_t *passing_blade;          /* vertex -> 1: all of its triangles pass a blade */
+  uint8_t *near_blade;             /* triangle -> 1: passing a blade, and near a sharp mesh in this tick */
+#if FRAY_CRACKS
+  const crack_params *crack_constants;
+  crack_state *cracks;
   uint32_t *averaged;              /* triangle -> the last average of this tick that it is in */
   uint32_t averages;
-  uint8_t *near_blade;             /* triangle -> 1: passing a blade, and near a sharp mesh in this tick */
+#endif
 } membrane_state;
 
 /* Rigid bodies. Writers: haptics/ and integrate/; contact/ adds impulses. */
@@ -338,8 +342,6 @@ static inline void world_find_features(fray_world *w) {
   w->features.yarn_collision = pool[POOL_YARN_PAIRS] != 0;
   w->features.triangle_collision = pool[POOL_TRIANGLE_PAIRS] != 0;
   w->features.blades = pool[POOL_BLADES] != 0;
-  w->features.cracks = pool[POOL_CRACKS] != 0;
-  w->features.corotational = pool[POOL_COROTATIONAL] != 0;
 }
 
 static inline int world_has_membrane(const fray_world *w) { return FRAY_TRIANGLES && w->features.membrane; }
@@ -355,14 +357,26 @@ static inline int world_has_yarn_collision(const fray_world *w) {
 static inline int world_has_triangle_collision(const fray_world *w) {
   return FRAY_TRIANGLE_COLLISION && w->features.triangle_collision;
 }
-static inline int world_is_corotational(const fray_world *w) {
-  return FRAY_CRACKS && FRAY_TRIANGLES && w->features.corotational;
-}
-static inline int world_has_cracks(const fray_world *w) {
-  return FRAY_CRACKS && FRAY_TRIANGLES && w->features.cracks;
-}
 static inline int world_has_blades(const fray_world *w) {
   return FRAY_MESHES && FRAY_TRIANGLES && w->features.blades;
+}
+
+static inline int world_is_corotational(const fray_world *w) {
+#if FRAY_CRACKS
+  return w->capacity[POOL_COROTATIONAL] != 0;
+#else
+  (void)w;
+  return 0;
+#endif
+}
+
+static inline int world_has_cracks(const fray_world *w) {
+#if FRAY_CRACKS
+  return w->capacity[POOL_CRACKS] != 0;
+#else
+  (void)w;
+  return 0;
+#endif
 }
 
 static inline int world_has_handles(const fray_world *w) {

@@ -71,7 +71,7 @@ static int plan_velocity(const fray_world *w, uint32_t vertex, snap_plan *p) {
   return 1;
 }
 
-static void move_axis(int32_t *x, int32_t *q, int8_t *r, uint32_t vertex, uint32_t to, int32_t fraction) {
+static void slide_axis(int32_t *x, int32_t *q, int8_t *r, uint32_t vertex, uint32_t to, int32_t fraction) {
   const int64_t from = (int64_t)x[vertex] * 16 + r[vertex];
   const int64_t way = (int64_t)x[to] * 16 + r[to] - from;
   const int64_t fine = from + fx_round64(way * fraction, 16);
@@ -97,9 +97,9 @@ static void execute_snap(fray_world *w, uint32_t vertex, uint32_t to, int32_t fr
     v[axis][vertex] = p->velocity[axis];
     s->state->momentum_remainder[axis] = p->remainder[axis];
   }
-  move_axis(w->p.x, w->p.qx, w->p.rx, vertex, to, fraction);
-  move_axis(w->p.y, w->p.qy, w->p.ry, vertex, to, fraction);
-  move_axis(w->p.z, w->p.qz, w->p.rz, vertex, to, fraction);
+  slide_axis(w->p.x, w->p.qx, w->p.rx, vertex, to, fraction);
+  slide_axis(w->p.y, w->p.qy, w->p.ry, vertex, to, fraction);
+  slide_axis(w->p.z, w->p.qz, w->p.rz, vertex, to, fraction);
   s->u[vertex] = p->at.u;
   s->v[vertex] = p->at.v;
   for (uint32_t n = 0; n < p->ring.count; ++n) {

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # The firmware whose stack and code are bounded: firmware NAME OPT [WHAT] builds $stack_work/NAME-OPT.elf
 # for a machine of target.sh, with the compiler's call graph beside it: of woven sheets only, or with WHAT,
-# `sheets` of triangles or rigid `meshes` too.
+# `sheets` of triangles, or all that there is, rigid `meshes`, cracks and handles too.
 stack_work=$FRAY_BUILD/stack
 
 firmware_cases() {
@@ -22,9 +22,10 @@ firmware() { # NAME OPT [WHAT]
   rm -f "$stack_work/$1-$2.elf"*
   case ${3:-woven} in
     woven) set -- "$1" "$2" -DFRAY_TRIANGLES=0 ;;
-    sheets) set -- "$1" "$2" -DFRAY_MESHES=0 ;;
-    meshes) set -- "$1" "$2" -Wl,--defsym=code_max=192K ;;
+    sheets) set -- "$1" "$2" "-DFRAY_MESHES=0 -DFRAY_CRACKS=0" ;;
+    meshes) set -- "$1" "$2" -Wl,--defsym=code_max=256K ;;
   esac
+  # shellcheck disable=SC2086
   sh tests/target/target.sh build "$1" "$2" "$stack_work/$1-$2.elf" tests/stack/firmware.c \
-    "$stack_work/cases.c" platform/loop.c rt/*/*.c -fcallgraph-info=su,da "$3"
+    "$stack_work/cases.c" platform/loop.c rt/*/*.c -fcallgraph-info=su,da $3
 }

@@ -144,5 +144,7 @@ $1 == "limits" {
   test_part[scene] = test_bound
   for (k = 1; k <= stage_count; k++) bound[scene] += bound[scene, name[k]]
   steps_of[scene] = substeps
+  # an elastic step goes on behind its contacts: the count of these has that, too
+  if (stretches != 0) bound[scene, "yarn_slip_apply"] += bound[scene, "yarn_stretch_run"]
 }
 
