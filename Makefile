@@ -243,7 +243,7 @@ patches: $(BUILD)/tests/physics/test_patch ## every patch of membranes under loa
 pools: $(BUILD)/tests/physics/test_yarn_pools ## a tearing sheet with pools of every size (a minute)
 	@$< all
 
-weaves: command ## how plain and twill weave fray, 20 seeds each (minutes); SEEDS=5
+weaves: command ## how plain weave, twill and satin fray, 20 seeds each (minutes); SEEDS=5
 	@FRAY=$(FRAY) BUILD=$(BUILD) SEEDS="$(SEEDS)" UPDATE="$(UPDATE)" sh tests/figures/weaves.sh
 
 proof: library ## MISRA, Frama-C Eva, gcc's analyzer, warnings of every compiler (minutes); PART=2/4

@@ -150,7 +150,7 @@ static inline vec3 moved_of(const fray_world *w, const contact_body *e, uint32_t
   return vec_wrap_sub(vec_wrap_add(vec_wrap_add(step, since), out), e->moved);
 }
 
-static inline void add_impulse(fray_world *w, const contact *c, vec3 push) {
+static inline void add_push(fray_world *w, const contact *c, vec3 push) {
   FRAY_ASSERT(c->body < w->capacity[POOL_BODIES]);
   body_add_impulse(&w->rigid.motion[c->body],
                    vec_scale64(push, particle_half_masses(w, c->particle) << (FX_SUB_BITS - 1)));
@@ -178,7 +178,7 @@ __attribute__((always_inline)) static inline void push_out(fray_world *w, const 
 
   const vec3 push = vec_make(move_within(w, &w->p.x[p], wanted.x), move_within(w, &w->p.y[p], wanted.y),
                              move_within(w, &w->p.z[p], wanted.z));
-  add_impulse(w, c, push);
+  add_push(w, c, push);
 }
 
 /* Contacts with the ground in a kernel, as many as it takes from the front. */

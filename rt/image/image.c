@@ -154,6 +154,9 @@ static fray_status check_options(const uint8_t *image, fray_error *error) {
   if (!FRAY_YARNS && header_capacity(image, POOL_SPLITS) != 0)
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_CAPACITY_WORD + POOL_SPLITS,
                         "a build with yarns (FRAY_YARNS)");
+  if (!FRAY_STRETCH && header_capacity(image, POOL_YARN_GAINS) != 0)
+    return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_CAPACITY_WORD + POOL_YARN_GAINS,
+                        "a build with elastic yarns (FRAY_STRETCH)");
   if (!FRAY_YARN_COLLISION && header_capacity(image, POOL_YARN_PAIRS) != 0)
     return image_refuse(error, FRAY_BAD_VERSION, 0, IMAGE_CAPACITY_WORD + POOL_YARN_PAIRS,
                         "a build with self-collision of yarns (FRAY_YARN_COLLISION)");

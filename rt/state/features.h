@@ -21,6 +21,9 @@
 #ifndef FRAY_TRIANGLE_COLLISION
 #define FRAY_TRIANGLE_COLLISION (FRAY_TRIANGLES && FRAY_MESHES) /* self-collision of the membrane */
 #endif
+#ifndef FRAY_STRETCH
+#define FRAY_STRETCH 1 /* yarns with a stiffness */
+#endif
 #ifndef FRAY_CRACKS
 #define FRAY_CRACKS FRAY_TRIANGLES /* isotropic sheets: their law, their cracks */
 #endif

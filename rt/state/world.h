@@ -347,7 +347,9 @@ static inline void world_find_features(fray_world *w) {
 static inline int world_has_membrane(const fray_world *w) { return FRAY_TRIANGLES && w->features.membrane; }
 static inline int world_has_yarns(const fray_world *w) { return FRAY_YARNS && w->features.yarns; }
 static inline int world_has_shear_lock(const fray_world *w) { return w->features.shear_lock; }
-static inline int world_has_elastic_yarns(const fray_world *w) { return w->features.elastic_yarns; }
+static inline int world_has_elastic_yarns(const fray_world *w) {
+  return FRAY_STRETCH && w->features.elastic_yarns;
+}
 static inline int world_has_rigid_meshes(const fray_world *w) {
   return FRAY_MESHES && w->features.rigid_meshes;
 }

@@ -32,6 +32,7 @@ if packages=$(sh tests/target/target.sh needs m3); then
   ids=-DFRAY_ID_BITS=32 measure ids_32
   measure no_triangles -DFRAY_TRIANGLES=0
   measure no_yarns -DFRAY_YARNS=0
+  measure no_stretch -DFRAY_STRETCH=0
   measure no_cracks -DFRAY_CRACKS=0
   measure no_handles -DFRAY_HANDLES=0
   measure no_meshes -DFRAY_MESHES=0

@@ -174,7 +174,7 @@ measure_microbit() { # BYTES of its world
   suite_make BUILD="$FRAY_BUILD" "$FRAY_BUILD/tests/determinism/emit_cases"
   "$FRAY_BUILD/tests/determinism/emit_cases" sheet "$work/8x8.img" "$stack_work/torn.log" 1:680:720 1050 >"$work/microbit.c"
   if ! sh tests/target/target.sh firmware microbit -Os "$elf" tests/stack/firmware.c "$work/microbit.c" \
-    platform/loop.c rt/*/*.c -DFIRMWARE_MEMORY="$1" -DFIRMWARE_SAVES=0 -DFRAY_TRIANGLES=0; then
+    platform/loop.c rt/*/*.c -DFIRMWARE_MEMORY="$1" -DFIRMWARE_SAVES=0 -DFRAY_TRIANGLES=0 -DFRAY_STRETCH=0; then
     fail "8x8 does not fit a microbit"
     return
   fi

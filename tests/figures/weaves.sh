@@ -40,7 +40,7 @@ compare() {
     interval "$work/seeds.txt" >>"$list"
     found=$(tail -n 1 "$list")
     line="$line$(printf '%14s' "${found% *} +-${found#* }")"
-    [ "${UPDATE:-}" != update ] || sh tests/results.sh set "weaves.${name}_$3.$(echo "$weave" | tr ' /' '__')" \
+    [ "${UPDATE:-}" != update ] || sh tests/results.sh set "weaves.${name}_$(echo "$weave" | tr ' /' '__').$3" \
       "$(echo "$found" | sed 's/ / +- /')" cm/cm 'make weaves UPDATE=update'
   done
   printf '%-16s %-4s %s\n' "$name" "$3" "$line"

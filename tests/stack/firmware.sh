@@ -21,7 +21,7 @@ firmware_cases() {
 firmware() { # NAME OPT [WHAT]
   rm -f "$stack_work/$1-$2.elf"*
   case ${3:-woven} in
-    woven) set -- "$1" "$2" -DFRAY_TRIANGLES=0 ;;
+    woven) set -- "$1" "$2" "-DFRAY_TRIANGLES=0 -DFRAY_STRETCH=0" ;;
     sheets) set -- "$1" "$2" "-DFRAY_MESHES=0 -DFRAY_CRACKS=0" ;;
     meshes) set -- "$1" "$2" -Wl,--defsym=code_max=256K ;;
   esac

@@ -21,7 +21,7 @@ only() { for name in $machines_all; do case " $1 " in *" $name "*) echo "$name" 
 
 # The timer that counts beside the tick, where there is one; and no sleep, see systick.c.
 extra_of() { # MACHINE
-  printf '%s ' -DFRAY_TRIANGLES=0 # none of these firmwares has a membrane
+  printf '%s ' -DFRAY_TRIANGLES=0 -DFRAY_STRETCH=0 # none of these firmwares has a membrane, or elastic yarns
   if [ "$1" = r5f ]; then printf '%s ' -DFRAY_YARNS=0; fi # A32: with yarns 66.3 KiB of code
   case $1 in
     m0) echo "-DSYSTICK_SPIN -DTARGET_NRF51_TIMER=0x40008000" ;;
