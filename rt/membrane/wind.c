@@ -26,7 +26,7 @@
 enum { DRAG_SPEED_MAX = FX_SPEED_MAX / 2 * 3 }; /* its square times the largest area fits */
 enum { IMPULSE_MAX = 1 << 26, LOAD_TOLERANCE = 64 /* Q24 off the load's line */ };
 
-static void add_impulse(elastic_impulse *sum, vec3 j) {
+static void add_wind(elastic_impulse *sum, vec3 j) {
   const vec3 limited = vec_add_clamped(elastic_impulse_vec(sum), j, IMPULSE_MAX);
   sum->x = limited.x;
   sum->y = limited.y;
@@ -49,8 +49,8 @@ static void load_edge(fray_world *w, const membrane_load *load, uint32_t from, u
       fx_square(fx_sub(s->u[to], s->u[from])) + fx_square(fx_sub(s->v[to], s->v[from]));
   const int32_t length = (int32_t)fx_root_length(fx_rsqrt(squared, FX_ROOT_FINE));
   const vec3 half = vec_round_saturated(vec_scale64(vec_of(load->force), length), FX_POSITION_BITS + 1);
-  add_impulse(&w->membrane.external_impulse[from], half);
-  add_impulse(&w->membrane.external_impulse[to], half);
+  add_wind(&w->membrane.external_impulse[from], half);
+  add_wind(&w->membrane.external_impulse[to], half);
 }
 
 static void load_boundary(fray_world *w) {
@@ -115,7 +115,7 @@ static void wind_triangle(fray_world *w, uint32_t t) {
                       (int32_t)speed);
     j = vec_add(j, vec_scale_unit(along.unit, drag));
   }
-  for (uint32_t k = 0; k < 3; ++k) add_impulse(&w->membrane.impulse[v[k]], j);
+  for (uint32_t k = 0; k < 3; ++k) add_wind(&w->membrane.impulse[v[k]], j);
 }
 
 static int32_t accelerated(int32_t v, int32_t impulse, int32_t inverse_mass) {
