@@ -90,8 +90,10 @@ static void execute_snap(fray_world *w, uint32_t vertex, uint32_t to, int32_t fr
   trimesh *s = &w->trimesh;
   int32_t *const v[3] = {w->p.vx, w->p.vy, w->p.vz};
   toggle_fan(w, vertex, &p->ring);
-  for (uint32_t n = 0; n < p->ring.count; ++n)
-    s->mass[trimesh_ring_end(s, &p->ring, n)] += (uint32_t)mass_gained(s, p, n);
+  for (uint32_t n = 0; n < p->ring.count; ++n) {
+    uint32_t *mass = &s->mass[trimesh_ring_end(s, &p->ring, n)];
+    *mass = (uint32_t)fx_wrap_add((int32_t)*mass, mass_gained(s, p, n));
+  }
   for (uint32_t n = 0; n < p->ring.count; ++n) s->area[p->ring.triangle[n]] = p->area[n];
   for (uint32_t axis = 0; axis < 3; ++axis) {
     v[axis][vertex] = p->velocity[axis];
