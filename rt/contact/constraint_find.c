@@ -155,8 +155,8 @@ static void find_meshes(fray_world *w) {
 
 /* ---- the edge of the world ---- */
 
-/* Vertices are stopped LU / 16 before the edge, and looked after from half a lu on: one at rest may
- * be driven there by what still comes. */
+/* Vertices are stopped LU / 16 before the edge, and looked after from half a lu on: one at rest may be
+ * driven there by what still comes. */
 static void find_edge(fray_world *w, uint32_t p, uint32_t axis, int32_t at, int32_t speed) {
   const int64_t end = (int64_t)at + fx_asr(speed, FX_SUB_BITS - 1);
   const int64_t edge = FX_WORLD_MAX - FX_LU / 2;

@@ -3,8 +3,8 @@
  * rendered is the force of spring and damper between it and the handle, their impulse of a tick
  * over the tick:
  *
- *   proxy = anchor + turn^T (pose + delay speed - datum) gain,    force = - force_scale turn
- * impulse / T
+ *   proxy = anchor + turn^T (pose + delay speed - datum) gain
+ *   force = - force_scale turn impulse / T
  *
  * turn: rows are the device's axes in the scene. The force of a tick acts on a device that has
  * moved on for `delay` ticks, so a spring alone gives it energy (k v^2 delay T / 2 a tick). So the

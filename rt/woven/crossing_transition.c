@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* From whole crossings to yarns (Metaaphanon 2009, section 3.4). A spring over its transition
- * strain marks both of its ends and their immediate neighbours to split. A split crossing whose
- * yarns are farther apart than loose_max (disconnect_distance here) disconnects. In the paper
- * splitting then spreads along both yarns, up to and including the first crossing where the weave
- * is opposite, to a broken link, or before an attached crossing. Here that is a setting: else a
- * crossing splits by what it carries.
+/* From whole crossings to yarns (Metaaphanon 2009, section 3.4). A spring over its transition strain marks
+ * both of its ends and their immediate neighbours to split. A split crossing whose yarns are farther apart
+ * than loose_max (disconnect_distance here) disconnects. In the paper splitting then spreads along both
+ * yarns, up to and including the first crossing where the weave is opposite, to a broken link, or before an
+ * attached crossing. Here that is a setting: else a crossing splits by what it carries.
  *
- * This stage marks crossings as pending; crossing_split_apply() splits a bounded number a tick, in
- * order. The number that disconnects in a tick has the same bound, in the order in which they
- * split; the others are found again in the next tick. */
+ * This stage marks crossings as pending; crossing_split_apply() splits a bounded number a tick, in order.
+ * The number that disconnects in a tick has the same bound, in the order in which they split; the others
+ * are found again in the next tick. */
 #include "rt/simd/simd.h"
 #include "rt/state/crossing.h"
 #include "rt/woven/woven.h"
@@ -17,8 +16,7 @@
 
 static void mark(fray_world *w, uint32_t crossing) {
   FRAY_ASSERT(crossing < w->capacity[POOL_CROSSINGS]);
-  const uint32_t now =
-      w->woven.crossing_state[crossing]; /* the whole byte: one already pending is skipped */
+  const uint32_t now = w->woven.crossing_state[crossing]; /* the whole byte: one already pending is skipped */
   if ((now != FRAY_WHOLE && now != FRAY_CONNECTED) || crossing_is_attached(w, crossing)) return;
   if (now == FRAY_WHOLE && w->p.count == w->capacity[POOL_PARTICLES]) {
     world_fault(w, FRAY_FAULT_PARTICLES_FULL);
@@ -63,11 +61,10 @@ __attribute__((noinline)) static void find_strained(fray_world *w) {
     const uint32_t kind = w->woven.spring_kind[spring];
     if (kind == SPRING_DEAD) continue;
     const int32_t rest = w->woven.link_classes[kind & SPRING_CLASS].rest;
-    const vec3 d = vec_sub(world_position(w, w->woven.spring_j[spring]),
-                           world_position(w, w->woven.spring_i[spring]));
+    const vec3 d =
+        vec_sub(world_position(w, w->woven.spring_j[spring]), world_position(w, w->woven.spring_i[spring]));
     const uint64_t n = vec_squared(d);
-    if (n <= link_stretched_squared(rest, strain_min))
-      continue; /* no spring's own strain is below it */
+    if (n <= link_stretched_squared(rest, strain_min)) continue; /* no spring's own strain is below it */
     if (n <= link_stretched_squared(rest, world_split_strain(w, spring))) continue;
     mark_around(w, w->woven.crossing_of[w->woven.spring_i[spring]]);
     mark_around(w, w->woven.crossing_of[w->woven.spring_j[spring]]);
@@ -81,12 +78,11 @@ static int is_apart(const fray_world *w, uint32_t c, uint64_t bound) {
   if ((w->woven.crossing_state[c] & CROSSING_LEFT) != 0 || !yarn_touch_at(w, n, &touch)) return 1;
   const vec3 particles = vec_sub(world_position(w, w->woven.warp_particle[c]),
                                  world_position(w, w->woven.crossing_particle[c]));
-  return vec_squared(w->woven.yarn_constants->disconnect_by_particles != 0 ? particles
-                                                                           : touch.gap) > bound;
+  return vec_squared(w->woven.yarn_constants->disconnect_by_particles != 0 ? particles : touch.gap) > bound;
 }
 
-/* Half a spacing off its crossing a contact is none of the corners of four cells any more: from
- * then on their diagonals, which would gain energy if it came back, are released. */
+/* Half a spacing off its crossing a contact is none of the corners of four cells any more: from then on their
+ * diagonals, which would gain energy if it came back, are released. */
 static void release_slid(fray_world *w, uint32_t c) {
   const yarn_contact *k = &w->woven.contacts[crossing_contact(w, c)];
   const uint32_t warps = (uint32_t)w->params->warps;
@@ -96,8 +92,8 @@ static void release_slid(fray_world *w, uint32_t c) {
       crossing_release_diagonals(w, c);
 }
 
-/* Where a contact is pushed against a whole crossing by more than friction holds of itself, that
- * one splits too: else the yarn would jam there. */
+/* Where a contact is pushed against a whole crossing by more than friction holds of itself, that one splits
+ * too: else the yarn would jam there. */
 static void mark_jammed(fray_world *w, uint32_t c) {
   const uint32_t n = crossing_contact(w, c);
   const yarn_contact_step *t = &w->woven.contact_steps[n];
@@ -111,9 +107,8 @@ static void mark_jammed(fray_world *w, uint32_t c) {
   }
 }
 
-/* Beside split crossings: whole ones that carry more than friction holds. Of elastic yarns:
- * projection knows a tension to a few percent of a yarn's strength only, which is more than most
- * friction. */
+/* Beside split crossings: whole ones that carry more than friction holds. Of elastic yarns: projection knows
+ * a tension to a few percent of a yarn's strength only, which is more than most friction. */
 static void mark_sliding(fray_world *w, uint32_t c) {
   const yarn_grid_neighbours around = yarn_grid_neighbours_at(world_yarn_grid(w), c);
   for (uint32_t direction = 0; direction < 4; ++direction) {
@@ -146,8 +141,7 @@ __attribute__((noinline)) static void find_apart(fray_world *w) {
 
 void crossing_transition_find(fray_world *w) {
   FRAY_ASSERT(world_has_yarns(w));
-  FRAY_ASSERT(w->p.count >= (uint32_t)w->params->particles &&
-              w->p.count <= w->capacity[POOL_PARTICLES]);
+  FRAY_ASSERT(w->p.count >= (uint32_t)w->params->particles && w->p.count <= w->capacity[POOL_PARTICLES]);
   if (w->params->tearing == 0) return;
   find_strained(w);
   find_apart(w);

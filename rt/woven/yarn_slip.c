@@ -168,6 +168,12 @@ static int32_t braking_part(const fray_world *w, const yarn_touch *touch) {
   return (int32_t)fx_divide_wide((uint64_t)(parting >> down) << 15, (uint32_t)(stops >> down));
 }
 
+/* Impulses of elastic yarns are in Q28 velocities of half a crossing: in whole position steps a tenth of a gap
+ * is mostly rounding, which keeps cloth at rest moving by a millimetre a second. */
+static unsigned impulse_bits(const fray_world *w) {
+  return world_has_elastic_yarns(w) ? FX_SUB_BITS - 1u + yarn_slip_bits(w) : 0u;
+}
+
 /* Slides of both yarns. Returns 0 iff the contact leaves. */
 static int slide(fray_world *w, const slip_gains *k, uint32_t n, yarn_touch *touch) {
   const vec3 before = touch->gap;
@@ -188,17 +194,17 @@ static void find_impulse(fray_world *w, const slip_gains *k, uint32_t n) {
     crossing_set_left(w, c);
     return;
   }
-  const vec3 asked = vec_scale_q15(touch.gap, yarn_slip_kappa(w));
+  const vec3 asked = vec_round_saturated(vec_scale64(touch.gap, yarn_slip_kappa(w)),
+                                         YARN_SLIP_KAPPA_BITS - impulse_bits(w));
   const vec3 braking = world_has_elastic_yarns(w) ? asked : vec_scale_q15(asked, braking_part(w, &touch));
   vec_store(t->impulse, braking);
   vec_store(t->quiet, vec_sub(asked, braking));
 }
 
-/* One component of a particle; `half` in half crossings x Q24 lu. What is no whole step of a whole one goes
- * to its velocity. Elastic yarns move by velocities alone. */
-static void push_axis(int32_t *x, int32_t *v, int32_t inverse_mass, int32_t unit, int is_elastic,
-                      int32_t half) {
-  const int32_t step = is_elastic ? 0 : inverse_mass == 2 ? half : half / 2;
+/* One component of a particle of projected yarns; `half` in half crossings x Q24 lu. What is no whole step of a whole one goes
+ * to its velocity. */
+static void push_axis(int32_t *x, int32_t *v, int32_t inverse_mass, int32_t unit, int32_t half) {
+  const int32_t step = inverse_mass == 2 ? half : half / 2;
   const int32_t rest = inverse_mass == 2 ? half - step : half - 2 * step;
   *x = fx_add(*x, step);
   if (rest != 0) *v = fx_add_saturated(*v, rest * inverse_mass * unit);
@@ -206,15 +212,18 @@ static void push_axis(int32_t *x, int32_t *v, int32_t inverse_mass, int32_t unit
 
 static void add_impulse(fray_world *w, uint32_t p, vec3 half) {
   const int32_t inverse_mass = particle_free_inverse_mass(w, p);
-  const int is_elastic = world_has_elastic_yarns(w);
-  const int32_t unit = 1 << (FX_SUB_BITS - 1 + yarn_slip_bits(w)); /* of momentum, Q28 */
+  const int32_t unit = 1 << (FX_SUB_BITS - 1 + yarn_slip_bits(w) - impulse_bits(w)); /* of momentum, Q28 */
   if (inverse_mass == 0) {
     body_add_impulse(&w->rigid.motion[w->p.attach_body[p]], vec_scale64(half, -unit));
     return;
   }
-  push_axis(&w->p.x[p], &w->p.vx[p], inverse_mass, unit, is_elastic, half.x);
-  push_axis(&w->p.y[p], &w->p.vy[p], inverse_mass, unit, is_elastic, half.y);
-  push_axis(&w->p.z[p], &w->p.vz[p], inverse_mass, unit, is_elastic, half.z);
+  if (world_has_elastic_yarns(w)) { /* which move by velocities alone */
+    world_set_velocity(w, p, vec_add_clamped(world_velocity(w, p), vec_mul(half, inverse_mass), INT32_MAX));
+    return;
+  }
+  push_axis(&w->p.x[p], &w->p.vx[p], inverse_mass, unit, half.x);
+  push_axis(&w->p.y[p], &w->p.vy[p], inverse_mass, unit, half.y);
+  push_axis(&w->p.z[p], &w->p.vz[p], inverse_mass, unit, half.z);
 }
 
 /* As far as add_impulse() would, with its predicted position. */

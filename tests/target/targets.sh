@@ -22,7 +22,7 @@ only() { for name in $machines_all; do case " $1 " in *" $name "*) echo "$name" 
 # The timer that counts beside the tick, where there is one; and no sleep, see systick.c.
 extra_of() { # MACHINE
   printf '%s ' -DFRAY_TRIANGLES=0 -DFRAY_STRETCH=0 # none of these firmwares has a membrane, or elastic yarns
-  if [ "$1" = r5f ]; then printf '%s ' -DFRAY_YARNS=0; fi # A32: with yarns 66.3 KiB of code
+  if [ "$1" = rv32 ]; then printf '%s ' -DFRAY_YARNS=0; fi # for speed they do not fit; for size its minute is late
   case $1 in
     m0) echo "-DSYSTICK_SPIN -DTARGET_NRF51_TIMER=0x40008000" ;;
     m3 | m4f | m7f) echo "-DSYSTICK_SPIN -DTARGET_CMSDK_TIMER=0x40000000" ;;
@@ -32,11 +32,11 @@ extra_of() { # MACHINE
   esac
 }
 
-# Armv6-M, A32 and RV32 take more bytes for the same; for speed they would not fit in 64 KiB. With Helium's
-# kernels beside the scalar code nothing does.
+# Armv6-M and A32 take more bytes for the same; for speed they would not fit in 64 KiB. With Helium's kernels
+# beside the scalar code nothing does.
 opt_of() { # MACHINE
   case $1 in
-    m0 | microbit | m55 | r5f | rv32) echo -Os ;;
+    m0 | microbit | m55 | r5f) echo -Os ;;
     *) echo -O2 ;;
   esac
 }
