@@ -7,6 +7,6 @@
 
 #include <stdint.h>
 
-#define PHYSICS_ID UINT32_C(0x68FB3ED4)
+#define PHYSICS_ID UINT32_C(0x319EB8D7)
 
 #endif
