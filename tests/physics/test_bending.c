@@ -6,6 +6,7 @@
 #include "rt/membrane/membrane.h"
 #include "rt/trimesh/trimesh_split.h"
 #include "tests/lib/test.h"
+#include "tests/lib/energy_account.h"
 #include "tests/lib/world_fixture.h"
 
 static const char *const patterns[] = {"regular",        "rotated 15 deg", "rotated 30 deg", "rotated 45 deg",
@@ -115,9 +116,7 @@ static void any_axis_is_as_stiff_as_the_plate(void) {
 
 static double energy_now(const fray_world *w) {
   const fray_energy_account a = fray_energy(w);
-  double sum = 0;
-  for (uint32_t n = 0; n < FRAY_ENERGY_STORES; ++n) sum += (double)a.stored[n];
-  return sum;
+  return account_stored(&a);
 }
 
 static double speed(uint64_t *seed) { return (double)(int64_t)splitmix64(seed) * 0x1p-63; }

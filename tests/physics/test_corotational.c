@@ -6,6 +6,7 @@
 
 #include "rt/membrane/corotational.h"
 #include "rt/membrane/membrane.h"
+#include "tests/lib/energy_account.h"
 #include "tests/lib/world_fixture.h"
 
 enum { SAMPLES = 1000000 / TEST_FEWER, SLOPES = 100000 / TEST_FEWER };
@@ -157,12 +158,6 @@ static const char sheet[] =
     " orientation horizontal\n drag 0 /s\n elastic_steps_max 32\n}\nmaterial m {\n density 200 g/m2\n young %s\n thickness 0.2 mm\n"
     " bend all 60 uNm\n%s}\npin column left\nlimits { contacts 0 }\n";
 
-static double sum_of(const int64_t *values, uint32_t count) {
-  double sum = 0;
-  for (uint32_t n = 0; n < count; ++n) sum += (double)values[n];
-  return sum;
-}
-
 /* Made less lost, of what gravity gave. */
 static void a_swing_gains_nothing(void) {
   static const char *const patterns[] = {"regular", "irregular 3"};
@@ -175,8 +170,7 @@ static void a_swing_gains_nothing(void) {
       (void)fixture_tick(&f, &fixture_idle);
       const fray_energy_account k = fray_energy(f.w);
       double given = 0;
-      for (uint32_t stage = 0; stage < FRAY_ENERGY_STAGES; ++stage)
-        given += (double)k.made[stage] - (double)k.lost[stage];
+      for (uint32_t stage = 0; stage < FRAY_ENERGY_STAGES; ++stage) given += account_net(&k, stage);
       most = fmax(most, fabs((double)k.gravity));
       made = fmax(made, given);
       lost = fmax(lost, -given);
@@ -198,22 +192,9 @@ static void stiff_sheets_are_scaled_with_their_strength(void) {
   CHECK_EQ_INT(((const uint32_t *)f.image)[1], 3u << 16 | 1u);
 }
 
-/* One end dragged away tears it to splinters. */
 static void what_is_torn_gains_nothing(void) {
-  fixture_scoped f = {0};
-  double most = 0;
-  fixture_print(&f, "scene drag\nrate 1000 Hz\ngravity 0 0 0 cm/s2\nmembrane {\n columns 8\n rows 8\n cell 1 cm\n"
-                    " pattern irregular 3\n material rag\n drag 0 /s\n}\n"
-                    "material rag {\n density 400 g/m2\n young 2 MPa\n thickness 0.5 mm\n tear 60 N/m\n tear_interval 1 ms\n}\n"
-                    "pin row top\npin row bottom by b\nsphere b {\n radius 1 cm\n at 0 -100 0 cm\n"
-                    " move path { 0 s 0 -100 0 cm  0.05 s 0 -100 12 cm  0.1 s 0 -110 0 cm }\n}\n");
-  fray_energy_watch(f.w);
-  for (uint32_t tick = 0; tick < 400; ++tick) {
-    const fray_output out = fixture_tick(&f, &fixture_idle);
-    const fray_energy_account k = fray_energy(f.w);
-    most = fmax(most, sum_of(k.stored, FRAY_ENERGY_STORES) / (double)k.supplied[FRAY_SUPPLIED_BODIES]);
-    if (tick == 399) CHECK(out.tears_total > 30);
-  }
+  const double most =
+      energy_of_dragged_sheet(" density 400 g/m2\n young 2 MPa\n thickness 0.5 mm\n tear 60 N/m\n");
   figure_at_most("corotational_torn_sheet", most, 1.25, "of what it was supplied with");
 }
 

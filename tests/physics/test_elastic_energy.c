@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "tests/lib/test.h"
+#include "tests/lib/energy_account.h"
 #include "tests/lib/world_fixture.h"
 
 #if FRAY_ENERGY
@@ -49,10 +50,8 @@ static void steps_make_none(void) {
     for (uint32_t tick = 0; tick < cases[n].ticks; ++tick) {
       (void)fixture_tick(&f, &fixture_idle);
       const fray_energy_account a = fray_energy(f.w);
-      double supplied = fabs((double)a.gravity) + (double)a.begun;
-      for (uint32_t k = 0; k < FRAY_ENERGY_SUPPLIES; ++k) supplied += fabs((double)a.supplied[k]);
-      turned = fmax(turned, supplied);
-      made = fmax(made, (double)a.made[FRAY_ENERGY_STEPS] - (double)a.lost[FRAY_ENERGY_STEPS]);
+      turned = fmax(turned, account_supplied(&a) + (double)a.begun);
+      made = fmax(made, account_net(&a, FRAY_ENERGY_STEPS));
     }
     printf("figure steps_%s_made %.3g of what is turned over (asked: at most 0.01), faults 0x%02X\n", cases[n].name,
            made / turned, (unsigned)f.w->state->faults);

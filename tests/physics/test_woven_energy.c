@@ -2,6 +2,7 @@
 /* No stage of woven cloth makes energy: of all rows of the ledger the net is at most a hundredth of what is turned
  * over. Each scene is one that random scenes found, with its cause. */
 #include "tests/lib/test.h"
+#include "tests/lib/energy_account.h"
 #include "tests/lib/world_fixture.h"
 
 #if FRAY_ENERGY
@@ -43,14 +44,10 @@ static const struct {
              {"slides", slides, 60},
              {"stretch_planes", stretch_on_planes, 150}};
 
-static double net_of(const fray_energy_account *a, uint32_t stage) {
-  return (double)a->made[stage] - (double)a->lost[stage];
-}
-
 /* The largest net of a stage so far. */
 static double largest_net(const fray_energy_account *a) {
   double most = 0;
-  for (uint32_t n = 0; n < FRAY_ENERGY_STAGES; ++n) most = fmax(most, net_of(a, n));
+  for (uint32_t n = 0; n < FRAY_ENERGY_STAGES; ++n) most = fmax(most, account_net(a, n));
   return most;
 }
 
@@ -64,9 +61,7 @@ static void no_stage_makes_energy(void) {
     for (uint32_t tick = 0; tick < cases[n].ticks; ++tick) {
       (void)fixture_tick(&f, &fixture_idle);
       const fray_energy_account a = fray_energy(f.w);
-      double supplied = fabs((double)a.gravity) + fabs((double)a.stored[FRAY_STORED_BODIES]);
-      for (uint32_t k = 0; k < FRAY_ENERGY_SUPPLIES; ++k) supplied += fabs((double)a.supplied[k]);
-      turned = fmax(turned, supplied);
+      turned = fmax(turned, account_supplied(&a) + fabs((double)a.stored[FRAY_STORED_BODIES]));
       if (tick > 20) share = fmax(share, largest_net(&a) / turned);
     }
     printf("figure woven_%s_made %.2g of what is turned over (asked: at most 0.01), faults 0x%02X\n", cases[n].name,
