@@ -18,7 +18,7 @@
 /* Where the body is before step n. */
 static vec3 body_at_step(const fray_world *w, uint32_t b, int32_t n, unsigned bits) {
   const vec3 moved = w->rigid.motion[b].moved;
-  const vec3 left = vec_round_saturated(vec_scale64(moved, (1 << bits) - n), bits);
+  const vec3 left = bits == 0 ? moved : vec_round_saturated(vec_scale64(moved, (1 << bits) - n), bits);
   return vec_sub(vec_of(w->rigid.states[b].position), left);
 }
 

@@ -4,6 +4,7 @@
 #include "tests/lib/test.h"
 #include "tests/lib/energy_account.h"
 #include "tests/lib/world_fixture.h"
+#include "tests/wild/body_depth.h"
 
 #if FRAY_ENERGY
 static const char at_the_edge[] =
@@ -71,9 +72,29 @@ static void no_stage_makes_energy(void) {
 }
 #endif
 
+/* Soft, light yarns have one elastic step a substep. */
+static void one_step_a_substep_stops_at_bodies(void) {
+  fixture_scoped f = {0};
+  double deepest = 0;
+  fixture_text(&f, "scene soft\nrate 2000 Hz\nsubsteps 16\nlimits {\n contacts 288\n}\nwoven {\n warps 12\n wefts 12\n spacing 6 /cm\n"
+                   " orientation horizontal\n density 0.0115 g/cm2\n stretch 0.0203 N\n at 0 0.1 0 cm\n}\n"
+                   "box b {\n size 0.9 0.4 0.5 cm\n rotate 30 deg about z\n at 0 -0.5 0 cm\n move path {"
+                   " 0 s 0 -0.5 0 cm  0.2 s 0.2 -0.4 0 cm }\n}\nplane p {\n at 0 -1 0 cm\n}\n");
+  CHECK_EQ_INT(f.w->woven.elastic_params->steps_bits, 0);
+  body_depth *depth = body_depth_open(f.w);
+  for (uint32_t tick = 0; tick < 1000; ++tick) {
+    (void)fixture_tick(&f, &fixture_idle);
+    deepest = fmax(deepest, body_depth_update(depth, f.w));
+  }
+  body_depth_close(depth);
+  printf("figure woven_one_step_depth %.3f of the cloth's thickness (asked: at most 2)\n", deepest / f.facts.thickness);
+  CHECK(deepest <= 2.0 * f.facts.thickness);
+}
+
 int main(void) {
 #if FRAY_ENERGY
   TEST(no_stage_makes_energy);
 #endif
+  TEST(one_step_a_substep_stops_at_bodies);
   return test_end();
 }
