@@ -216,6 +216,13 @@ static double elastic_steps(const fray_world *w) {
   return world_has_elastic_yarns(w) ? 1 << w->woven.elastic_params->steps_bits : 1;
 }
 
+/* By how many position steps a stage rounds a particle in a substep, at most: four links project it in each
+ * iteration, to half a step each. */
+static double rounded_steps(const fray_world *w) {
+  const int is_projected = !world_has_membrane(w) && !world_has_elastic_yarns(w);
+  return is_projected ? 2.0 * w->params->iterations : 1;
+}
+
 static void judge_energy(judged *j, uint32_t tick, uint32_t faults, judge_result *r) {
   const fray_info *f = &j->watched.facts;
   const fray_energy_account a = fray_energy(j->watched.w);
@@ -240,8 +247,9 @@ static void judge_energy(judged *j, uint32_t tick, uint32_t faults, judge_result
   j->turned = fmax(j->turned, j->begun + (supplied + fabs((double)a.gravity)) * unit);
   const double speed_step = 0x1p-24 * f->lu_um * 1e-6 * f->rate_hz * f->substeps;
   const double moves = elastic_steps(j->watched.w);
-  j->rounding += f->substeps * (sqrt(2 * fmax(moving, 0) * j->mass) * speed_step +
-                                moves * j->mass * speed_step * moves * speed_step * moves);
+  const double rounds = rounded_steps(j->watched.w);
+  j->rounding += f->substeps * (sqrt(2 * fmax(moving, 0) * j->mass) * rounds * speed_step +
+                                fmax(pow(moves, 3), pow(rounds, 2)) * j->mass * speed_step * speed_step);
   for (uint32_t n = 0; n < FRAY_ENERGY_STAGES; ++n) {
     const double net = excused_net(j, n, net_of(j, &a, n) * unit, faults);
     const double allowed = 0.01 * j->turned + j->rounding;
