@@ -7,7 +7,8 @@
 
 #include "tests/lib/splitmix64.h"
 
-const char *const random_kind_name[RANDOM_KINDS] = {"woven", "yarns", "stretch", "membrane"};
+const char *const random_kind_name[RANDOM_KINDS] = {"woven", "yarns", "stretch", "membrane",
+                                                  "sheet"};
 
 typedef struct {
   uint64_t seed;
@@ -147,6 +148,40 @@ static void write_material(draft *d, const char *base) {
   put(d, "}\n");
 }
 
+static int is_membrane(const draft *d) { return d->kind == RANDOM_MEMBRANE || d->kind == RANDOM_SHEET; }
+
+/* From soft rubber to stiff paper, which breaks at a strain of 2 to 20 %. */
+static void write_sheet_material(draft *d) {
+  const double stiffness = decades(d, 50, 5000); /* N/m */
+  const double thickness = decades(d, 0.005, 0.1);
+  const double young = stiffness / (thickness * 1e-2);
+  put(d, "material rag {\n  density %.1f g/m2\n  young %.0f Pa\n", decades(d, 20, 500), young);
+  put(d, "  thickness %.5f cm\n", thickness);
+  if (chance(d, 0.6)) put(d, "  poisson %.2f\n", between(d, 0, 0.45));
+  if (chance(d, 0.5)) put(d, "  bend all %.2f uNm\n", decades(d, 0.1, 200));
+  const double strain = between(d, 0.02, 0.2);
+  if (chance(d, 0.75)) {
+    put(d, "  breaks %.0f Pa\n", young * strain);
+    put(d, "  average %.4f cm\n", d->cell * between(d, 2, 5));
+    if (chance(d, 0.3)) put(d, "  cracks many\n");
+  } else {
+    put(d, "  tear %.2f N/m\n", stiffness * strain);
+  }
+  if (chance(d, 0.5)) put(d, "  tear_interval %.1f ms\n", between(d, 0, 5));
+  if (chance(d, 0.4)) put(d, "  cut_speed %.2f m/s\n", between(d, 0, 1.5));
+  put(d, "}\n");
+}
+
+/* Behind `move hand`. */
+static void write_handle(draft *d) {
+  put(d, "  mass %.3f g\n", decades(d, 1, 100));
+  if (chance(d, 0.6)) put(d, "  coupling %.0f N/m\n", decades(d, 50, 3000));
+  if (chance(d, 0.4)) put(d, "  coupling_damping %.2f ms\n", between(d, 0, 10));
+  if (chance(d, 0.3)) put(d, "  hand_scale %.2f\n", decades(d, 0.2, 4));
+  if (chance(d, 0.3)) put(d, "  hand_rotate %.1f deg about %s\n", between(d, -170, 170), "y");
+  if (chance(d, 0.3)) put(d, "  force_scale %.2f\n", decades(d, 0.2, 4));
+}
+
 static void write_membrane(draft *d) {
   static const int substeps[] = {1, 1, 1, 2, 3, 4};
   const int columns = 2 + below(d, 12);
@@ -164,7 +199,7 @@ static void write_membrane(draft *d) {
   if (!d->regular && pattern == 2) put(d, "  pattern rotated %.1f deg\n", between(d, -89, 89));
   if (!d->regular && pattern == 3) put(d, "  pattern irregular %d\n", below(d, 1000));
   const char *base = ONE_OF(d, "denim", "t-shirt", "pants", "swimsuit", "paper");
-  const int own = chance(d, 0.75);
+  const int own = chance(d, 0.75) || d->kind == RANDOM_SHEET;
   put(d, "  material %s\n", own ? "rag" : base);
   if (chance(d, 0.3)) put(d, "  weft %.1f deg\n", between(d, -90, 90));
   write_place(d);
@@ -179,7 +214,10 @@ static void write_membrane(draft *d) {
     put(d, "  wind_drag %.2f\n", between(d, 0, 1));
   }
   put(d, "}\n");
-  if (own) write_material(d, base);
+  if (d->kind == RANDOM_SHEET)
+    write_sheet_material(d);
+  else if (own)
+    write_material(d, base);
   double blow[3];
   draw(d, blow, 3, -6, 6);
   if (chance(d, 0.4)) put(d, "wind %.1f %.1f %.1f m/s\n", blow[0], blow[1], blow[2]);
@@ -291,6 +329,7 @@ static void write_body(draft *d, int number) {
   } else if (motion < 0.75 && d->hands_left > 0) {
     put(d, "  at %.4f %.4f %.4f cm\n  move hand %s\n", at[0], at[1], at[2],
         d->hands_left-- == 2 ? "left" : "right");
+    if (d->kind == RANDOM_SHEET && chance(d, 0.7)) write_handle(d);
   } else {
     write_free(d, at);
   }
@@ -303,18 +342,18 @@ static void write_limits(draft *d) {
   put(d, "limits {\n");
   if (chance(d, 0.5)) put(d, "  contacts %d\n", few[below(d, 5)]);
   if (chance(d, 0.4)) put(d, "  tears_per_tick %d\n", 1 + below(d, 64));
-  if (d->kind == RANDOM_MEMBRANE && chance(d, 0.5))
+  if (is_membrane(d) && chance(d, 0.5))
     put(d, "  spare_triangles %d\n", few[below(d, 5)]);
   put(d, "}\n");
 }
 
 static void write_slit(draft *d) {
   if (!chance(d, 0.15) || !d->regular || d->columns < 3 || d->rows < 3) return;
-  if (d->kind == RANDOM_MEMBRANE)
+  if (is_membrane(d))
     put(d, "slit column %d 1", 1 + below(d, d->columns - 1));
   else
     put(d, "slit warp %d 0", below(d, d->columns - 1));
-  put(d, " %d\n", d->kind == RANDOM_MEMBRANE ? 2 + below(d, d->rows - 1) : below(d, d->rows));
+  put(d, " %d\n", is_membrane(d) ? 2 + below(d, d->rows - 1) : below(d, d->rows));
 }
 
 random_kind random_scene_write(uint64_t seed, uint64_t number, char *text) {
@@ -325,8 +364,9 @@ random_kind random_scene_write(uint64_t seed, uint64_t number, char *text) {
                                       RANDOM_MEMBRANE};
   text[0] = 0;
   d.kind = kinds[below(&d, 5)];
+  if (d.kind == RANDOM_MEMBRANE && number % 3 == 2) d.kind = RANDOM_SHEET;
   write_head(&d, number);
-  if (d.kind == RANDOM_MEMBRANE)
+  if (is_membrane(&d))
     write_membrane(&d);
   else
     write_woven(&d);

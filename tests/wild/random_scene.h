@@ -14,6 +14,7 @@ typedef enum {
   RANDOM_YARNS,
   RANDOM_STRETCH, /* yarns with a stiffness */
   RANDOM_MEMBRANE,
+  RANDOM_SHEET, /* an isotropic membrane, with cracks and handles */
   RANDOM_KINDS
 } random_kind;
 extern const char *const random_kind_name[RANDOM_KINDS];
