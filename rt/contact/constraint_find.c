@@ -23,6 +23,12 @@ int32_t contact_effective_mass(const fray_world *w, uint32_t body, const uint32_
   return k == 0 ? 0 : step_mass_of(k);
 }
 
+void contact_constraint_miss(fray_world *w) {
+  FRAY_ASSERT(world_has_membrane(w));
+  w->membrane.constraints_missed = 1;
+  world_fault(w, FRAY_FAULT_CONTACTS_FULL);
+}
+
 void contact_constraint_add(fray_world *w, uint32_t body, constraint_kind kind,
                             const uint32_t vertex[3], const int32_t weight[3], vec3 normal,
                             int64_t gap) {
@@ -30,7 +36,7 @@ void contact_constraint_add(fray_world *w, uint32_t body, constraint_kind kind,
   const int32_t mass = contact_effective_mass(w, body, vertex, weight);
   if (mass == 0) return;
   if (w->membrane.constraint_count == CONSTRAINTS_PER_CONTACT * w->capacity[POOL_CONTACTS]) {
-    world_fault(w, FRAY_FAULT_CONTACTS_FULL);
+    contact_constraint_miss(w);
     return;
   }
   contact_constraint *c = &w->membrane.constraints[w->membrane.constraint_count++];
@@ -107,10 +113,12 @@ static void find_collider(fray_world *w, const collider *t, int32_t room) {
   for (uint32_t p = 0; p < w->p.count; ++p) {
     const ccd_path path = collider_path(w, t, p);
     w->contact.side_mask[p] = collider_mask_of(w, t, p, &path, skin);
-    if (w->contact.side_mask[p] != 0 || particle_is_attached(w, p) || t->radius != 0 ||
-        budget[0] == 0)
-      continue;
+    if (w->contact.side_mask[p] != 0 || particle_is_attached(w, p) || t->radius != 0) continue;
     if (collider_is_far(path.begin) || collider_is_far(path.end)) continue;
+    if (budget[0] == 0) {
+      contact_constraint_miss(w);
+      continue;
+    }
     --budget[0];
     find_vertex(w, t, p, path, room);
   }
@@ -178,6 +186,7 @@ static void find_edges(fray_world *w) {
 void contact_constraints_find(fray_world *w) {
   FRAY_ASSERT(world_has_membrane(w) && w->contact.gathered <= w->capacity[POOL_CONTACTS]);
   w->membrane.constraint_count = 0;
+  w->membrane.constraints_missed = 0;
   for (uint32_t n = 0; n < w->contact.gathered; ++n) find_primitive(w, &w->contact.list[n]);
   if (world_has_rigid_meshes(w)) find_meshes(w);
   find_edges(w);

@@ -39,6 +39,7 @@ static void guard_contact(fray_world *w, const contact *c, const vertex_mass_sca
 
 void contact_guard_apply(fray_world *w) {
   FRAY_ASSERT(world_has_membrane(w) && w->contact.gathered <= w->capacity[POOL_CONTACTS]);
+  if (w->membrane.constraints_missed != 0) return;
   const vertex_mass_scale scale = vertex_mass_scale_of(w);
   for (uint32_t n = 0; n < w->contact.gathered; ++n) guard_contact(w, &w->contact.list[n], &scale);
   w->work.contacts += w->contact.gathered;

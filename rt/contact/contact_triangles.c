@@ -12,7 +12,8 @@
  *   the rest    if that does not end, everything near the body is pinned: the paper's rigid group. A path
  *               that is not taken goes nowhere that the old one did not, so what stayed away still does.
  *
- * What exceeds a pool or budget is pinned too, and reported. Attached vertices cannot be pinned: a free
+ * What exceeds a pool or budget is reported; it is pinned where constraints had room for all that they found
+ * (constraints.h), else it passes. Attached vertices cannot be pinned: a free
  * body that meets them is stopped (contact_vertices.c); where they draw a triangle through something
  * nevertheless, that is reported. Triangles at a vertex that the body itself holds pass it freely. */
 #include "rt/contact/contact_triangles.h"
@@ -181,9 +182,13 @@ static int test_all(fray_world *w, const collider *t, contact_query *f) {
 void contact_triangles_constrain(fray_world *w, const collider *t, int32_t room, uint32_t *budget) {
   const uint32_t triangles = triangles_in_use(w);
   FRAY_ASSERT(rigid_mesh_meets_triangles(w) && room >= 0);
-  for (uint32_t n = 0; n < triangles && *budget != 0; ++n) {
+  for (uint32_t n = 0; n < triangles; ++n) {
     contact_query f;
     if (!is_near(w, t, n) || !triangle_can_move(w, n)) continue;
+    if (*budget == 0) {
+      contact_constraint_miss(w);
+      return;
+    }
     --*budget;
     if (!begin_query(w, t, n, collider_skin(w) + room, &f)) continue;
     f.room = room;

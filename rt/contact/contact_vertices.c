@@ -170,11 +170,16 @@ static int resolve(fray_world *w, jam *found) {
   return pinned == 0 && found->holder == CONTACT_TRIANGLES_FREE;
 }
 
+static int has_missed(const fray_world *w) {
+  return world_has_membrane(w) && w->membrane.constraints_missed != 0;
+}
+
 uint32_t contact_vertices_check(fray_world *w) {
   uint32_t pinned = 0;
   uint32_t budget[2] = {w->capacity[POOL_CONTACTS], RIGID_MESH_TRIANGLES * w->capacity[POOL_CONTACTS]};
   jam found = {0, CONTACT_TRIANGLES_FREE};
   FRAY_ASSERT(world_has_rigid_meshes(w));
+  if (has_missed(w)) return 0;
   for (uint32_t n = 0; n < collider_count(w); ++n) pinned += check_collider(w, n, budget, &found);
   if (found.holder != CONTACT_TRIANGLES_FREE) world_fault(w, FRAY_FAULT_CONTACT_UNRESOLVED);
   return pinned;
@@ -243,6 +248,7 @@ void contact_vertices_solve(fray_world *w) {
   const uint32_t contacts = w->contact.count;
   jam found;
   FRAY_ASSERT(world_has_rigid_meshes(w) && contacts <= w->capacity[POOL_CONTACTS]);
+  if (has_missed(w)) return;
   if (resolve(w, &found)) return;
   if (rigid_mesh_meets_triangles(w) && stop_bodies(w, &found)) {
     w->contact.count = contacts;

@@ -154,6 +154,7 @@ typedef struct {
   elastic_body *bodies;
   contact_constraint *constraints; /* of a substep */
   uint32_t constraint_count;
+    uint32_t constraints_missed; /* 1: in this substep some had no room */
   limited_edge *limited_edges; /* of a substep */
   uint32_t limited_edge_count;
   uint8_t *passing_blade;          /* vertex -> 1: all of its triangles pass a blade */
