@@ -5,7 +5,10 @@
 # must not fray with its yarns off; without its shear lock, as the paper has it, it is printed beside; its work
 # keeps to the image's bound, and events to a quarter of it; its contact sheet is the same to the byte a second
 # time, with scalar kernels. Sheets of triangles must tear,
-# or stay whole where the list says so, without a fault, and give the same contact sheet. SIZE is WIDTHxHEIGHT.
+# or stay whole where the list says so, without a fault, and give the same contact sheet. Where two hands tear one, its
+# log is what `fray hand` makes of the script beside it, and the force has three phases: an elastic rise, R2 at least
+# 0.98; a peak; a plateau at 20 to 80 % of it that varies by at most 20 %. out/figures/NAME_force.png plots both hands.
+# SIZE is WIDTHxHEIGHT.
 # UPDATE=update writes the figures to tests/results.tsv.
 . tests/lib/suite.sh
 
@@ -65,8 +68,18 @@ one_figure() {
   pictures
 }
 
+# The figures of the line of a hand in the last run's summary.
+phases() { # HAND
+  sed -n "s/^tearing *$1 *rise .*, R2 \([0-9.]*\); peak \([0-9.]*\) N .* goes on at \([0-9.]*\) N, \([0-9.]*\) % .* by \([0-9.]*\) %/\1 \2 \3 \4 \5/p" \
+    "$work/run.txt"
+}
+
 one_cloth() {
-  run "$scene" || return 1
+  # shellcheck disable=SC2086
+  "$FRAY" run "$scene" $input ${input:+--report "$work/report"} --ticks "${length%ms}" </dev/null >"$work/run.txt" || return 1
+  if [ -n "$input" ]; then
+    "$FRAY" hand -o "$work/hand.log" "${log%.log}.hand" && cp "$work/report/tearing.png" "$out/${name}_force.png" || return 1
+  fi
   tears=$(sed -n 's/^hash .* tears \([0-9]*\) .*/\1/p' "$work/run.txt")
   faults=$(sed -n 's/^hash .* faults \([0-9]*\).*/\1/p' "$work/run.txt")
   pictures
@@ -76,6 +89,25 @@ judge_cloth() {
   printf '%-13s %6s\n' "$name" "$tears"
   holds "$name: tears $tears ${fate:-torn}, faults $faults" is_true "($tears > 0) == (\"$fate\" != \"whole\") && $faults == 0"
   holds "$name: another picture" cmp -s "$out/$name.png" "$work/again/sheet.png"
+  [ -z "$input" ] || judge_hands
+}
+
+judge_hands() {
+  holds "$name: its log is not that of its script" cmp -s "$log" "$work/hand.log"
+  for hand in left right; do
+    # shellcheck disable=SC2046
+    set -- $(phases $hand)
+    [ $# -eq 5 ] || { fail "$name: no phases of a tear at the $hand hand"; continue; }
+    printf '  %-5s rise R2 %s, peak %s N, goes on at %s N, %s %% of it, varies by %s %%\n' "$hand" "$@"
+    holds "$name, $hand: R2 $1" is_true "$1 >= 0.98"
+    holds "$name, $hand: goes on at $4 % of the peak" is_true "$4 >= 20 && $4 <= 80"
+    holds "$name, $hand: varies by $5 %" is_true "$5 <= 20"
+    save "$hand.rise_r2" "$1" ''
+    save "$hand.peak" "$2" N
+    save "$hand.plateau" "$3" N
+    save "$hand.share" "$4" %
+    save "$hand.variation" "$5" %
+  done
 }
 
 save() { # COLUMN VALUE UNIT
@@ -115,7 +147,8 @@ while read -r name scene log times focus view looks fate; do
   if [ "$log" != - ]; then input="--log $log"; fi
   at=$(echo "$times" | sed 's/,/ms,/g')ms
   length=${times##*,}ms
-  styles="--$(echo "$looks" | sed 's/,/ --/g')"
+  styles=''
+  if [ "$looks" != - ]; then styles="--$(echo "$looks" | sed 's/,/ --/g')"; fi
   if grep -q '^membrane' "$scene"; then
     if one_cloth; then judge_cloth; else fail "$name: no run or no pictures"; fi
   elif one_figure; then

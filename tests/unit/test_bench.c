@@ -5,6 +5,7 @@
 
 #include "tools/bench/scaling.h"
 #include "tools/bench/json.h"
+#include "tools/bench/tear_phases.h"
 #include "tools/bench/projections.h"
 
 static void json_is_json(void) {
@@ -89,10 +90,26 @@ static void only_runs_are_kept(void) {
   world_file_close(&o);
 }
 
+/* Three ticks with one unit in each stage, the last one with a long search for collisions. */
+static void parts_of_a_tick_add_up(void) {
+  static float ns[3 * TIMED_COUNT];
+  for (int n = 0; n < 3 * TIMED_COUNT; ++n) ns[n] = 1;
+  ns[2 * TIMED_COUNT + TIMED_TRIANGLE_COLLISION] = 31;
+  const tear_phase p = tear_phase_of(ns, 1, 3);
+  double parts = 0;
+  for (int n = 0; n < TEAR_TOTAL; ++n) parts += p.mean_ns[n];
+  CHECK_EQ_INT(p.ticks, 2);
+  CHECK(near(parts, p.mean_ns[TEAR_TOTAL]) && near(p.mean_ns[TEAR_TOTAL], TIMED_COUNT + 15.0));
+  CHECK(near(p.worst_ns[TEAR_COLLISION] - p.mean_ns[TEAR_COLLISION], 15));
+  CHECK(near(p.worst_ns[TEAR_TEARING], p.mean_ns[TEAR_TEARING]));
+  CHECK_EQ_INT(tear_phase_of(ns, 2, 2).ticks, 0);
+}
+
 int main(void) {
   TEST(json_is_json);
   TEST(a_line_goes_through_points);
   TEST(rounds_give_least_and_median);
+  TEST(parts_of_a_tick_add_up);
   TEST(only_runs_are_kept);
   return test_end();
 }

@@ -7,7 +7,7 @@ FRAY=${FRAY:-build/fray}
 out=${1:-out}
 parts=$out/bench
 mkdir -p "$parts"
-rm -f "$parts"/*.json "$parts/rows"
+rm -f "$parts"/*.json "$parts/rows" "$parts/tearing"
 
 bench() { # NAME ARGUMENT...
   name=$1
@@ -28,6 +28,11 @@ scene mirror 1000
 scene weight 1000
 scene small 1000
 bench 9_sweep --sweep
+# the parts of a tick of sheets that two hands tear, in a table of their own
+for name in cloth banknote; do
+  file=tests/scenes/haptics/$name
+  "$FRAY" bench "$file.scene" --log "$file.log" --ticks "${TICKS:-1800}" --json "$parts/8_$name.json" --rows "$parts/tearing"
+done
 
 {
   echo '['
@@ -40,7 +45,7 @@ bench 9_sweep --sweep
   echo ']'
 } >"$out/bench.json"
 
-rows() { sed -n "s/^$1 //p" "$parts/rows"; }
+rows() { sed -n "s/^$1 //p" "${2:-$parts/rows}"; }
 {
   "$FRAY" bench --machine
   echo
@@ -59,6 +64,12 @@ rows() { sed -n "s/^$1 //p" "$parts/rows"; }
   echo '| crossings | us a tick | ns a crossing | bytes a crossing | and in the image |'
   echo '|---|---|---|---|---|'
   rows sweep
+  echo
+  echo 'Sheets that two hands tear, milliseconds a tick, mean and in brackets the worst:'
+  echo
+  echo '| scene | phase | kernel | collision | deformation | tearing | rest | total |'
+  echo '|---|---|---|---|---|---|---|---|'
+  rows tearing "$parts/tearing" | sed 's/, \([a-z ]*\) | \([a-z0-9]*\) |/ | \1 | \2 |/'
 } >"$out/bench.md"
 echo "$out/bench.json, $out/bench.md"
 

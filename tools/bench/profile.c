@@ -20,6 +20,7 @@ typedef struct {
   uint64_t hash;
   uint32_t looks; /* at the clock in a tick */
   int by_cpu; /* known after the first tick */
+  uint32_t first_tear, behind_last_tear; /* ticks; both 0: none */
 } track;
 
 static uint32_t counted(const fray_work *k) {
@@ -65,6 +66,9 @@ static void run_tick(track *t, const fray_input *input, uint32_t tick, uint32_t 
   t->work[tick] = counted(&out.work);
   t->hash = out.hash;
   if (run == 0) t->projections += out.work.projections;
+  if (run != 0 || out.work.tears == 0) return;
+  if (t->behind_last_tear == 0) t->first_tear = tick;
+  t->behind_last_tear = tick + 1;
 }
 
 static int open_track(track *t, uint32_t ticks, uint32_t substeps) {
@@ -125,6 +129,9 @@ static void sum_up(track *t, const session *s, uint32_t ticks, profile *p) {
   p->work_median = t->work[ticks / 2];
   p->work_worst = t->work[ticks - 1];
   p->hash = t->hash;
+  if (s->facts.triangles_max == 0 || t->behind_last_tear == 0) return;
+  p->phases[TEAR_BEFORE] = tear_phase_of(t->stage_ns, 0, t->first_tear);
+  p->phases[TEAR_WHILE] = tear_phase_of(t->stage_ns, t->first_tear, t->behind_last_tear);
 }
 
 int profiles_take(const session *s, const kernels *k, uint32_t ticks, profile *profiles) {

@@ -7,6 +7,7 @@
 
 #include "tools/bench/kernels.h"
 #include "tools/bench/min_median.h"
+#include "tools/bench/tear_phases.h"
 #include "tools/bench/timed_tick.h"
 #include "tools/recording/session.h"
 
@@ -19,6 +20,7 @@ typedef struct {
   double projection_ns;         /* the strain stage by its projections */
   uint32_t work_median, work_worst; /* counted: sum of all kinds */
   uint64_t hash;                /* after the last tick */
+  tear_phase phases[TEAR_PHASES]; /* of a membrane that tears; else without ticks */
 } profile;
 
 /* One profile for each kernel. Returns 0 iff memory is out. */

@@ -44,6 +44,21 @@ static void print_stages(FILE *out, const bench_result *r) {
   }
 }
 
+static void print_phases(FILE *out, const bench_result *r) {
+  for (int phase = 0; phase < TEAR_PHASES; ++phase) {
+    if (r->profiles[0].phases[phase].ticks == 0) continue;
+    fprintf(out, "  ms a tick %s, %u ticks: mean (worst)\n", tear_phase_labels[phase],
+            r->profiles[0].phases[phase].ticks);
+    for (uint32_t k = 0; k < r->kernels.count; ++k) {
+      const tear_phase *p = &r->profiles[k].phases[phase];
+      fprintf(out, "    %-7s", kernel_name(r->kernels.list[k]));
+      for (int n = 0; n < TEAR_PARTS; ++n)
+        fprintf(out, " %s %.3f (%.3f)%s", tear_part_labels[n], p->mean_ns[n] / 1e6, p->worst_ns[n] / 1e6,
+                n + 1 < TEAR_PARTS ? "," : "\n");
+    }
+  }
+}
+
 void result_print(FILE *out, const bench_result *r) {
   const profile *first = &r->profiles[0];
   if (r->triangles != 0)
@@ -63,6 +78,7 @@ void result_print(FILE *out, const bench_result *r) {
             p->worst_ns / 1e3, profile_real_time(p));
   }
   print_stages(out, r);
+  print_phases(out, r);
   if (r->any.rows == 0) {
     fprintf(out, "  no projections: membranes have no links; predict has their stress and bending\n");
     return;

@@ -64,8 +64,22 @@ static void projection_row(FILE *out, const bench_result *r, const projection_ti
   fprintf(out, "\n");
 }
 
+/* Milliseconds, mean and worst tick. */
+static void phase_row(FILE *out, const bench_result *r, uint32_t kernel, int phase) {
+  const tear_phase *p = &r->profiles[kernel].phases[phase];
+  const char *name;
+  const int letters = short_name(r->name, &name);
+  if (p->ticks == 0) return;
+  fprintf(out, "tearing | %.*s, %u triangles, %s | %s |", letters, name, r->triangles, tear_phase_labels[phase],
+          kernel_name(r->kernels.list[kernel]));
+  for (int n = 0; n < TEAR_PARTS; ++n) fprintf(out, " %.3f (%.3f) |", p->mean_ns[n] / 1e6, p->worst_ns[n] / 1e6);
+  fprintf(out, "\n");
+}
+
 void result_table(FILE *out, const bench_result *r) {
   for (uint32_t n = 0; n < r->kernels.count; ++n) tick_row(out, r, &r->profiles[n]);
+  for (int phase = 0; phase < TEAR_PHASES; ++phase)
+    for (uint32_t n = 0; n < r->kernels.count; ++n) phase_row(out, r, n, phase);
   projection_row(out, r, &r->any, "");
   if (r->runs.rows > 0) projection_row(out, r, &r->runs, ", long runs alone");
 }

@@ -15,25 +15,6 @@ enum { ROUNDS = 9, WARM_UP = 2, TICKS_MIN = 5, TICKS_MAX = 40, CROSSINGS_TIMED =
 /* Twice as wide as high: 1k to 250k crossings. */
 static const uint32_t heights[SCALING_SIZES] = {22, 32, 50, 71, 100, 158, 224, 274, 316, 354};
 
-line_fit line_through(const double *x, const double *y, uint32_t count) {
-  double mean_x = 0;
-  double mean_y = 0;
-  double xx = 0;
-  double xy = 0;
-  double yy = 0;
-  for (uint32_t n = 0; n < count; ++n) {
-    mean_x += x[n] / count;
-    mean_y += y[n] / count;
-  }
-  for (uint32_t n = 0; n < count; ++n) {
-    xx += (x[n] - mean_x) * (x[n] - mean_x);
-    xy += (x[n] - mean_x) * (y[n] - mean_y);
-    yy += (y[n] - mean_y) * (y[n] - mean_y);
-  }
-  const double slope = xy / xx;
-  return (line_fit){slope, mean_y - slope * mean_x, xy * xy / (xx * yy)};
-}
-
 typedef struct {
   session s;
   double *ns; /* of every tick */

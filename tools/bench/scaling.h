@@ -5,6 +5,7 @@
 #ifndef FRAY_TOOLS_BENCH_SCALING_H
 #define FRAY_TOOLS_BENCH_SCALING_H
 
+#include "tools/analysis/line_fit.h"
 #include "tools/bench/kernels.h"
 #include "tools/bench/min_median.h"
 
@@ -17,16 +18,10 @@ typedef struct {
 } scaling_point;
 
 typedef struct {
-  double slope, offset, r2;
-} line_fit;
-
-typedef struct {
   fray_kernel kernel;
   scaling_point points[SCALING_SIZES];
   line_fit min, median; /* ns against crossings */
 } scaling;
-
-line_fit line_through(const double *x, const double *y, uint32_t count);
 
 /* With the kernel of that name, or the fastest for NULL. Returns an exit code after a message. */
 int scaling_measure(const char *kernel, scaling *g);

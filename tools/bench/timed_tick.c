@@ -10,6 +10,8 @@
 #include "rt/integrate/integrate.h"
 #include "rt/membrane/membrane.h"
 #include "rt/self_collision/self_collision.h"
+#include "rt/self_collision/self_constraints.h"
+#include "rt/tick/rollback.h"
 #include "rt/tick/tick.h"
 #include "rt/woven/woven.h"
 
@@ -53,6 +55,7 @@ static void end_stage(timed_stage stage) {
 #define bend_shear_apply(w) TIMED(BEND_SHEAR, bend_shear_apply(w))
 #define membrane_stress_update(w) TIMED(STRESS, membrane_stress_update(w))
 #define membrane_tear_apply(w) TIMED(MEMBRANE_TEAR, membrane_tear_apply(w))
+#define crack_advance(w) TIMED(CRACK, crack_advance(w))
 #define blade_cut_apply(w) TIMED(BLADE_CUT, blade_cut_apply(w))
 #define membrane_gains_update(w) TIMED(GAINS, membrane_gains_update(w))
 #define wind_apply(w) TIMED(WIND, wind_apply(w))
@@ -61,6 +64,10 @@ static void end_stage(timed_stage stage) {
 #define yarn_collision_solve(w) TIMED(YARN_COLLISION, yarn_collision_solve(w))
 #define triangle_collision_begin(w) TIMED(TRIANGLE_COLLISION, triangle_collision_begin(w))
 #define triangle_collision_solve(w) TIMED(TRIANGLE_COLLISION, triangle_collision_solve(w))
+#define rollback_save(w) TIMED(TRIANGLE_COLLISION, rollback_save(w))
+#define rollback_restore(w) TIMED(TRIANGLE_COLLISION, rollback_restore(w))
+#define self_constraints_find(w) TIMED(TRIANGLE_COLLISION, self_constraints_find(w))
+#define self_constraints_begin(w) TIMED(TRIANGLE_COLLISION, self_constraints_begin(w))
 #define contact_vertices_begin(w) TIMED(CONTACT_VERTICES, contact_vertices_begin(w))
 #define contact_vertices_solve(w) TIMED(CONTACT_VERTICES, contact_vertices_solve(w))
 #define bodies_advance(w, substep) TIMED(ADVANCE, bodies_advance(w, substep))

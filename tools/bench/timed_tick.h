@@ -7,7 +7,7 @@
 
 #define TIMED_STAGES(X) \
   X(DEVICES, "devices") X(DAMP, "damping") X(BEND_SHEAR, "bend and shear") X(STRESS, "stress") \
-  X(MEMBRANE_TEAR, "membrane tear") X(BLADE_CUT, "blade cut") X(GAINS, "gains") X(WIND, "wind") \
+  X(MEMBRANE_TEAR, "membrane tear") X(CRACK, "cracks") X(BLADE_CUT, "blade cut") X(GAINS, "gains") X(WIND, "wind") \
   X(GATHER, "broad phase") X(YARN_COLLISION, "yarn collision") \
   X(TRIANGLE_COLLISION, "triangle collision") X(CONTACT_VERTICES, "rigid meshes") \
   X(ADVANCE, "motion") X(ELASTIC, "elastic steps") X(STRAIN, "strain limit") \

@@ -17,6 +17,7 @@
 #include "tools/analysis/energy_table.h"
 #include "tools/analysis/scaled_stiffness.h"
 #include "tools/analysis/fault_text.h"
+#include "tools/analysis/tear_force.h"
 #include "tools/terminal/progress.h"
 #include "tools/terminal/signals.h"
 #include "tools/recording/record.h"
@@ -62,7 +63,8 @@ static void print_usage(FILE *out) {
           "  --cut            the log was cut off: takes what of it is whole\n"
           "  --ticks N        how many ticks (default: the log's, or %d)\n"
           "  --record FILE    writes the bus as a candump log that `fray verify` accepts\n"
-          "  --report DIR     pictures, plots of forces and work, summary.txt\n"
+          "  --report DIR     pictures, plots of forces, of two hands at a tear, and of work,\n"
+          "                   summary.txt\n"
           "  --save FILE      writes the last state as an image\n"
           "  --energy FILE    watches the energy: a CSV, in joules, with a line a tick of what is stored,\n"
           "                   supplied, made and lost (rt/energy/README.md), and at the end a short\n"
@@ -256,6 +258,22 @@ static void print_handles(const run_job *j, FILE *out) {
   }
 }
 
+/* Of two hands in a run with a report. Returns 0 where there are no phases of a tear to be seen. */
+static int find_tear_force(const run_job *j, tear_force *f) {
+  const size_t count = j->s.facts.hands == 3u ? j->trace.count : 0;
+  tear_force_sample *samples = count != 0 ? malloc(count * sizeof *samples) : NULL;
+  if (samples == NULL) return 0;
+  for (size_t n = 0; n < count; ++n) {
+    const run_sample *s = &j->trace.samples[n];
+    memcpy(samples[n].force, s->force, sizeof s->force);
+    samples[n].apart = s->apart;
+    samples[n].tears = s->work.tears;
+  }
+  const int found = tear_force_measure(samples, count, f);
+  free(samples);
+  return found;
+}
+
 /* Counts of accepted and refused frames of a device log. */
 static void print_input(const replay *log, FILE *out) {
   const port_statistics *p = &log->port;
@@ -293,8 +311,10 @@ static void print_summary(run_job *j, FILE *out, const component *components, ui
   else
     fprintf(out, "breaks       %u of %u springs\n", j->last.tears_total, f->springs[FRAY_STRUCTURAL]);
   if (j->signal != 0) fprintf(out, "ended        by signal %d, before all ticks were run\n", j->signal);
+  tear_force force;
   print_state(j, out);
   print_handles(j, out);
+  if (find_tear_force(j, &force)) tear_force_print(out, &force, f->rate_hz);
   print_components(j, out, components, count);
   print_yarns(j, out);
   fault_text_print(out, j->faults);
@@ -325,6 +345,11 @@ static int write_plots(run_job *j) {
   if (j->s.facts.hands != 0) {
     snprintf(path, sizeof path, "%s/forces.png", j->o->report);
     if (!run_trace_plot_forces(&j->trace, path)) return fail(path);
+  }
+  tear_force force;
+  if (find_tear_force(j, &force)) {
+    snprintf(path, sizeof path, "%s/tearing.png", j->o->report);
+    if (!run_trace_plot_tearing(&j->trace, force.axis, path)) return fail(path);
   }
   snprintf(path, sizeof path, "%s/work.png", j->o->report);
   if (!run_trace_plot_work(&j->trace, path)) return fail(path);

@@ -29,6 +29,7 @@ void run_trace_start(run_trace *t, const fray_world *w) {
   for (uint32_t b = 0; b < t->facts.bodies && b < 16; b++) {
     const fray_body v = fray_view_body(w, b);
     if (v.motion == FRAY_PATH) t->pulls = 1;
+    if (v.motion == FRAY_HAND) t->hand_body[v.hand & 1u] = b;
     for (int a = 0; a < 3; a++) t->start[b][a] = v.position[a];
   }
 }
@@ -57,6 +58,13 @@ static void add_pull(const run_trace *t, run_sample *s, const fray_world *w) {
   s->opening = (float)together;
 }
 
+static double hands_apart(const run_trace *t, const fray_world *w) {
+  const fray_body left = fray_view_body(w, t->hand_body[0]), right = fray_view_body(w, t->hand_body[1]);
+  double square = 0.0;
+  for (int a = 0; a < 3; a++) square += pow((double)left.position[a] - right.position[a], 2.0);
+  return sqrt(square) * t->facts.lu_um * 1e-4 / 16777216.0;
+}
+
 void run_trace_add(run_trace *t, const fray_output *output, const fray_world *w) {
   if (t->failed) return;
   if (t->count == t->room) {
@@ -72,7 +80,8 @@ void run_trace_add(run_trace *t, const fray_output *output, const fray_world *w)
   if (t->count == 0) t->first_tick = output->tick;
   run_sample *s = t->samples + t->count++;
   s->work = output->work;
-  s->pull = s->opening = 0.0f;
+  s->pull = s->opening = s->apart = 0.0f;
+  if (t->facts.hands == 3u) s->apart = (float)hands_apart(t, w);
   if (t->pulls) add_pull(t, s, w);
   for (int h = 0; h < FRAY_HANDS; h++)
     for (int a = 0; a < 3; a++) s->force[h][a] = (float)output->force[h][a] * newtons;
@@ -95,6 +104,8 @@ typedef enum {
 static const char *const names[QUANTITIES] = {
     "x", "y", "z", "magnitude", "particle steps", "projections", "bend and shear", "tear tests",
     "candidate contacts", "tears"};
+
+static const char *const hand_names[FRAY_HANDS] = {"left hand", "right hand"};
 
 static double value_of(const run_sample *s, quantity q, int hand) {
   const float *f = s->force[hand];
@@ -119,6 +130,7 @@ typedef struct {
   int hand, amounts;
   uint32_t count;
   quantity quantities[4];
+  int both; /* the first quantity, of both hands */
 } panel;
 
 static double second(const run_trace *t, size_t sample) {
@@ -158,10 +170,10 @@ static int draw_panel(canvas *c, const run_trace *t, const panel *one, plot_area
             .mark_count = mark_count,
             .y_from_zero = one->amounts};
   for (uint32_t s = 0; s < one->count; s++) {
+    const quantity q = one->quantities[one->both ? 0 : s];
     double *y = values + s * t->count;
-    for (size_t k = 0; k < t->count; k++)
-      y[k] = value_of(t->samples + k, one->quantities[s], one->hand);
-    p.series[s] = (plot_series){names[one->quantities[s]], y, plot_colour(s)};
+    for (size_t k = 0; k < t->count; k++) y[k] = value_of(t->samples + k, q, one->both ? (int)s : one->hand);
+    p.series[s] = (plot_series){one->both ? hand_names[s] : names[q], y, plot_colour(s)};
   }
   plot_draw(c, area, &p);
   free(values);
@@ -191,8 +203,8 @@ static int write_panels(const run_trace *t, const panel *panels, uint32_t count,
 
 int run_trace_plot_forces(const run_trace *t, const char *path) {
   static const panel hands[FRAY_HANDS] = {
-      {"force on the left hand", "N", 0, 0, 4, {FORCE_X, FORCE_Y, FORCE_Z, FORCE_SIZE}},
-      {"force on the right hand", "N", 1, 0, 4, {FORCE_X, FORCE_Y, FORCE_Z, FORCE_SIZE}}};
+      {"force on the left hand", "N", 0, 0, 4, {FORCE_X, FORCE_Y, FORCE_Z, FORCE_SIZE}, 0},
+      {"force on the right hand", "N", 1, 0, 4, {FORCE_X, FORCE_Y, FORCE_Z, FORCE_SIZE}, 0}};
   panel shown[FRAY_HANDS];
   uint32_t count = 0;
   for (uint32_t h = 0; h < FRAY_HANDS; h++)
@@ -200,12 +212,18 @@ int run_trace_plot_forces(const run_trace *t, const char *path) {
   return write_panels(t, shown, count, 1, path);
 }
 
+int run_trace_plot_tearing(const run_trace *t, uint32_t axis, const char *path) {
+  static const char *const titles[3] = {"force along x", "force along y", "force along z"};
+  const panel one = {titles[axis % 3], "N", 0, 1, FRAY_HANDS, {(quantity)(FORCE_X + axis % 3)}, 1};
+  return write_panels(t, &one, 1, 1, path);
+}
+
 int run_trace_plot_work(const run_trace *t, const char *path) {
   static const panel panels[PANELS_MAX] = {
       {"work per tick", "count", 0, 1, 4,
-       {WORK_PREDICTIONS, WORK_PROJECTIONS, WORK_SPRINGS, WORK_TEAR_TESTS}},
-      {"contacts per tick", "count", 0, 1, 1, {WORK_CONTACTS}},
-      {"tears per tick", "count", 0, 1, 1, {WORK_TEARS}}};
+       {WORK_PREDICTIONS, WORK_PROJECTIONS, WORK_SPRINGS, WORK_TEAR_TESTS}, 0},
+      {"contacts per tick", "count", 0, 1, 1, {WORK_CONTACTS}, 0},
+      {"tears per tick", "count", 0, 1, 1, {WORK_TEARS}, 0}};
   return write_panels(t, panels, PANELS_MAX, 0, path);
 }
 
