@@ -11,6 +11,7 @@
  * (Haptic tearing of 2017, section V: the eigenvector of the largest eigenvalue, then the tip alone.) After a
  * crack none goes on for `cooldown` ticks, in which the stress finds its new balance. */
 #include "rt/membrane/membrane.h"
+#include "rt/membrane/snap_balance.h"
 #include "rt/membrane/stress_average.h"
 #include "rt/trimesh/trimesh_advance.h"
 
@@ -63,8 +64,26 @@ static void count_step(fray_world *w, uint32_t vertex) {
   world_count_tears(w, 1);
 }
 
+static trimesh_result open_path(fray_world *w, const trimesh_path *path, trimesh_step *step) {
+  const uint32_t nearer = trimesh_path_nearer(path);
+  trimesh_snap snap;
+  snap_parting parting;
+  for (uint32_t n = 0; n < 2; ++n) {
+    if (!trimesh_path_snap(w, path, n == 0 ? nearer : 1u - nearer, &snap) ||
+        !snap_balance(w, path, &snap, &parting))
+      continue;
+    const trimesh_result result = trimesh_path_open(w, path, &snap, TRIMESH_TORN, step);
+    if (result == TRIMESH_DONE && path->ring.closed == 0)
+      snap_part(w, path->vertex, w->p.count - 1u, &parting);
+    return result;
+  }
+  return trimesh_path_open(w, path, NULL, TRIMESH_TORN, step);
+}
+
 static trimesh_result open_way(fray_world *w, uint32_t vertex, crack_way way, trimesh_step *step) {
-  const trimesh_result result = trimesh_advance(w, vertex, way.u, way.v, TRIMESH_TORN, step);
+  trimesh_path path;
+  trimesh_result result = trimesh_path_find(w, vertex, way.u, way.v, &path);
+  if (result == TRIMESH_DONE) result = open_path(w, &path, step);
   if (result == TRIMESH_NO_PARTICLES) world_fault(w, FRAY_FAULT_PARTICLES_FULL);
   if (result == TRIMESH_NO_TRIANGLES) world_fault(w, FRAY_FAULT_TRIANGLES_FULL);
   if (result == TRIMESH_DONE) count_step(w, vertex);
@@ -171,6 +190,7 @@ static int32_t stress_of_ring(fray_world *w, uint32_t vertex) {
     sum[2] = fx_add64(sum[2], fx_mul_wide(stress->uv, weight));
     area += weight;
   }
+  if (area == 0) return 0;
   const sym2 mean = {stress_average_held(sum[0] / area), stress_average_held(sum[1] / area),
                      stress_average_held(sum[2] / area)};
   ++w->work.eigenvalues;
