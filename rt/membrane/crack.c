@@ -3,8 +3,8 @@
  * the material (stress_average.h), where it is above `breaks`.
  *
  *   a crack begins  where it is largest, across it: to both sides of a vertex inside; or, if there is one
- *                   within that length, inward from the vertex on the boundary whose own triangles bear most.
- *                   After the first only where `many` says so, farther than that length from every tip
+ *                   within that length, inward from the vertex on the boundary whose edges have most to let
+ *                   go. After the first only where `many` says so, farther than that length from every tip
  *   a tip goes on   by an edge a tick, across its own stress, forward (trimesh_advance.h); it ends where it
  *                   meets a boundary
  *
@@ -162,11 +162,13 @@ static int mark_loaded(fray_world *w) {
   return any;
 }
 
+static uint64_t edge_squared(const trimesh *s, uint32_t a, uint32_t b) {
+  return fx_square(fx_sub(s->u[a], s->u[b])) + fx_square(fx_sub(s->v[a], s->v[b]));
+}
+
 /* Within the length of the average. */
 static int are_near(const fray_world *w, uint32_t a, uint32_t b) {
-  const trimesh *s = &w->trimesh;
-  return fx_square(fx_sub(s->u[a], s->u[b])) + fx_square(fx_sub(s->v[a], s->v[b])) <=
-         fx_square(w->membrane.crack_constants->average);
+  return edge_squared(&w->trimesh, a, b) <= fx_square(w->membrane.crack_constants->average);
 }
 
 static int is_far_from_tips(const fray_world *w, uint32_t vertex) {
@@ -176,25 +178,34 @@ static int is_far_from_tips(const fray_world *w, uint32_t vertex) {
   return 1;
 }
 
-/* The largest principal stress of a vertex's own triangles, by their areas. */
-static int32_t stress_of_ring(fray_world *w, uint32_t vertex) {
+/* The tension that the best edge from a vertex on the boundary would let go, Q10 N/m: what the triangles on
+ * one side of it pull with, over its length. A triangle pulls its corner with stress times half the opposite edge,
+ * turned by a right angle. */
+static uint32_t pull_of_ring(const fray_world *w, uint32_t vertex) {
+  const trimesh *s = &w->trimesh;
   trimesh_ring ring;
-  int64_t sum[3] = {0, 0, 0};
-  int64_t area = 0;
-  trimesh_ring_of(&w->trimesh, vertex, &ring);
-  for (uint32_t n = 0; n < ring.count; ++n) {
+  int64_t sum[2] = {0, 0};
+  uint32_t most = 0;
+  trimesh_ring_of(s, vertex, &ring);
+  for (uint32_t n = 0; n + 1u < ring.count; ++n) {
     const material_tensor *stress = &w->membrane.stress[ring.triangle[n]];
-    const int32_t weight = (int32_t)w->trimesh.area[ring.triangle[n]];
-    sum[0] = fx_add64(sum[0], fx_mul_wide(stress->uu, weight));
-    sum[1] = fx_add64(sum[1], fx_mul_wide(stress->vv, weight));
-    sum[2] = fx_add64(sum[2], fx_mul_wide(stress->uv, weight));
-    area += weight;
+    const uint32_t from = trimesh_ring_end(s, &ring, n);
+    const uint32_t to = trimesh_ring_end(s, &ring, n + 1u);
+    const int32_t u = fx_sub(s->u[to], s->u[from]);
+    const int32_t v = fx_sub(s->v[to], s->v[from]);
+    const int32_t shear = stress_average_held(stress->uv);
+    sum[0] = fx_add64(sum[0], fx_mul_wide(stress_average_held(stress->uu), v) - fx_mul_wide(shear, u));
+    sum[1] = fx_add64(sum[1], fx_mul_wide(shear, v) - fx_mul_wide(stress_average_held(stress->vv), u));
+    const int32_t pull_u = fx_saturate(fx_round64(sum[0], 16)) / 2; /* Q20 N/m lu */
+    const int32_t pull_v = fx_saturate(fx_round64(sum[1], 16)) / 2;
+    const uint64_t squared = fx_square(pull_u) + fx_square(pull_v);
+    if (squared == 0) continue;
+    const uint64_t pull = fx_root_length(fx_rsqrt(squared, FX_ROOT_FINE));
+    const uint64_t length = edge_squared(s, vertex, to);
+    const uint32_t tension = fx_divide_wide(pull << 14, fx_root_length(fx_rsqrt(length, FX_ROOT_FINE)));
+    if (tension > most) most = tension;
   }
-  if (area == 0) return 0;
-  const sym2 mean = {stress_average_held(sum[0] / area), stress_average_held(sum[1] / area),
-                     stress_average_held(sum[2] / area)};
-  ++w->work.eigenvalues;
-  return sym2_eigen_of(mean).major;
+  return most;
 }
 
 /* Into the sheet, from a vertex on the boundary: halfway between the two edges there. */
@@ -238,15 +249,15 @@ static void begin_at(fray_world *w, uint32_t vertex) {
 /* The average is less at the end of a notch, whose sides bear nothing, than before it. */
 static uint32_t boundary_near(fray_world *w, uint32_t vertex) {
   uint32_t best = vertex;
-  int32_t largest = 0;
+  uint32_t largest = 0;
   for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
     if (w->membrane.max_stress[p].x == 0 || !trimesh_is_boundary(&w->trimesh, p) || !are_near(w, p, vertex) ||
         !is_far_from_tips(w, p))
       continue;
-    const int32_t stress = stress_of_ring(w, p);
-    if (stress <= largest) continue;
+    const uint32_t pull = pull_of_ring(w, p);
+    if (pull <= largest) continue;
     best = p;
-    largest = stress;
+    largest = pull;
   }
   return best;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Cracks of isotropic sheets: principal values; a notched strip, drawn along the warp, cracks across it on any mesh, at
- * the same force; what snaps leave behind; tips are all that is looked at. `all`: finer meshes. */
+ * the same force; what snaps leave behind and make; tips are all that is looked at. `all`: finer meshes, and notches
+ * aslant; `strip COLUMNS PATTERN [SLANT]`: one strip. */
 #include "tests/lib/test.h"
 
 #include "rt/base/sym2.h"
@@ -130,6 +131,7 @@ typedef struct {
 typedef struct {
   double angle, force; /* of the fitted line, degrees; tension of the strip over the stress at the
                           tip, of a crack of half its width */
+  double aside;                /* of its first edge's end from the notch's, along the strip, cm */
   double made;                 /* by ticks that tore, of what was stored before; nothing that others lost counts */
   double triangles, least;     /* new ones an edge; degrees */
   uint32_t edges, extra;       /* eigenvalues beside those of tips */
@@ -276,6 +278,7 @@ static outcome run_strip(const strip *s) {
   double slope;
   (void)fit_line(x, y, points, &slope);
   o.angle = atan(slope) * degrees;
+  o.aside = fabs(y[1] - y[0]);
   o.force = fit_line(reach, force, forces, &slope);
   o.force += slope * 5;
   o.triangles = ((double)w->trimesh.state->triangles - triangles) / o.edges;
@@ -285,23 +288,28 @@ static outcome run_strip(const strip *s) {
   return o;
 }
 
+static const char *const patterns[] = {"regular", "rotated 15 deg", "rotated 30 deg", "irregular 3"};
+
+/* Checks what holds for any strip. */
+static outcome strip_figure(const strip *s, double asked) {
+  const outcome o = run_strip(s);
+  printf("figure crack_strip W/%d %-15s notch %g degrees: %+.2f degrees (asked: %.1f), force %.4f of sigma_E, %u edges, %.2f new triangles each, "
+         "least angle %.1f, made %.2g of what was stored (asked: at most 1e-4)\n", s->columns, s->pattern, s->slant, o.angle, asked, o.force, o.edges, o.triangles, o.least, o.made);
+  CHECK(fabs(o.angle) <= asked && o.made <= 1e-4);
+  CHECK_EQ_INT(o.extra, 0);
+  CHECK_EQ_INT(o.bad, 0);
+  return o;
+}
+
 static void strips_crack_straight_at_one_force(void) {
-  static const char *const patterns[] = {"regular", "rotated 15 deg", "rotated 30 deg", "irregular 3"};
   double low = 1e9, high = 0, triangles = 0;
   uint32_t edges = 0;
   for (int columns = 20; columns <= (all ? 40 : 20); columns += 10)
     for (uint32_t n = 0; n < 4; ++n) {
       const strip s = {patterns[n], columns, 0};
-      const outcome o = run_strip(&s);
-      const double asked = columns == 40 ? 0.5 : 1.5;
-      printf("figure crack_strip W/%d %-15s %+.2f degrees (asked: %.1f), force %.4f of sigma_E, %u edges, %.2f new triangles each, "
-             "least angle %.1f, made %.2g of what was stored (asked: at most 1e-4)\n", columns, patterns[n], o.angle, asked, o.force, o.edges, o.triangles, o.least, o.made);
-      CHECK(fabs(o.angle) <= asked);
+      const outcome o = strip_figure(&s, columns == 40 ? 0.5 : 1.5);
       triangles += o.triangles * o.edges;
       edges += o.edges;
-      CHECK(o.made <= 1e-4);
-      CHECK_EQ_INT(o.extra, 0);
-      CHECK_EQ_INT(o.bad, 0);
       low = fmin(low, o.force);
       high = fmax(high, o.force);
     }
@@ -309,6 +317,21 @@ static void strips_crack_straight_at_one_force(void) {
   printf("figure crack_new_triangles %.3f an edge, of %u (asked: at most 0.3)\n", triangles / edges, edges);
   CHECK(high <= 1.15 * low);
   CHECK(triangles <= 0.3 * edges);
+}
+
+/* Above the middle of the strip, where a crack bends down a little; it begins at the end of the notch. */
+static void notches_aslant(void) {
+  double low = 1e9, high = 0;
+  for (uint32_t n = all ? 0 : 2; n < 4; ++n) {
+    const strip s = {patterns[n], 20, 30};
+    const outcome o = strip_figure(&s, 5);
+    printf("figure crack_aside %.2f cm (asked: at most 0.15)\n", o.aside);
+    CHECK(o.aside <= 0.15);
+    low = fmin(low, o.force);
+    high = fmax(high, o.force);
+  }
+  printf("figure crack_aslant %.4f to %.4f of sigma_E, %.1f %% apart (asked: at most 15)\n", low, high, (high / low - 1) * 100);
+  CHECK(high <= 1.15 * low);
 }
 
 /* ---- energy ---- */
@@ -336,7 +359,7 @@ static double made_by_tears(const torn_scene *s, const char *pattern, int interv
 /* A flat sheet drawn apart in a fifth of a second, with many cracks in motion, and a ball that breaks through a sheet
  * and bends it: there what is left is of the folds around new triangles. */
 static void tears_make_no_energy(void) {
-  static const char *const patterns[] = {"rotated 15 deg", "rotated 30 deg", "irregular 3", "irregular 7", "regular"};
+  static const char *const meshes[] = {"rotated 15 deg", "rotated 30 deg", "irregular 3", "irregular 7", "regular"};
   static const torn_scene scenes[] = {
       {"drawn",
        "scene drawn\nrate 1000 Hz\ngravity 0 0 0 cm/s2\nmembrane {\n columns 12\n rows 18\n cell 5 mm\n pattern %s\n material sheet\n drag 60 /s\n}\n"
@@ -352,7 +375,7 @@ static void tears_make_no_energy(void) {
     uint32_t tears = 0;
     for (uint32_t n = 0; n < (all ? 5 : scenes[s].meshes); ++n)
       for (int interval = 1; interval <= (all ? 9 : 1); interval += 8)
-        worst = fmax(worst, made_by_tears(&scenes[s], patterns[n], interval, &tears));
+        worst = fmax(worst, made_by_tears(&scenes[s], meshes[n], interval, &tears));
     printf("figure crack_made a sheet %s: %.2g of the most that it held (asked: at most %g), %u edges\n", scenes[s].name, worst, scenes[s].asked, tears);
     CHECK(worst <= scenes[s].asked && tears > 40);
   }
@@ -430,12 +453,18 @@ static void bad_tips_are_refused(void) {
 int main(int argc, char **argv) {
   setvbuf(stdout, NULL, _IOLBF, 0);
   all = argc > 1 && strcmp(argv[1], "all") == 0;
+  if (argc > 3 && strcmp(argv[1], "strip") == 0) {
+    const strip one = {argv[3], atoi(argv[2]), argc > 4 ? atof(argv[4]) : 0};
+    (void)strip_figure(&one, one.slant != 0 ? 5 : one.columns == 40 ? 0.5 : 1.5);
+    return 0;
+  }
   TEST(principal_values);
   TEST(snaps_leave_stout_triangles);
   TEST(bad_tips_are_refused);
   TEST(a_saved_crack_goes_on);
   TEST(one_crack_or_many);
   TEST(tears_make_no_energy);
+  TEST(notches_aslant);
   TEST(strips_crack_straight_at_one_force);
   return test_end();
 }
