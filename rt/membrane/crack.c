@@ -4,7 +4,7 @@
  *
  *   a crack begins  where it is largest, across it: to both sides of a vertex inside; or, if there is one
  *                   within that length, inward from the vertex on the boundary whose edges have most to let
- *                   go. After the first only where `many` says so, farther than that length from every tip
+ *                   go. While a crack has a tip only where `many` says so, farther than that length from all
  *   a tip goes on   by an edge a tick, across its own stress, forward (trimesh_advance.h); it ends where it
  *                   meets a boundary
  *
@@ -179,8 +179,8 @@ static int is_far_from_tips(const fray_world *w, uint32_t vertex) {
 }
 
 /* The tension that the best edge from a vertex on the boundary would let go, Q10 N/m: what the triangles on
- * one side of it pull with, over its length. A triangle pulls its corner with stress times half the opposite edge,
- * turned by a right angle. */
+ * one side of it pull with, over its length. A triangle pulls its corner with stress times half the opposite
+ * edge, turned by a right angle. */
 static uint32_t pull_of_ring(const fray_world *w, uint32_t vertex) {
   const trimesh *s = &w->trimesh;
   trimesh_ring ring;
@@ -194,8 +194,10 @@ static uint32_t pull_of_ring(const fray_world *w, uint32_t vertex) {
     const int32_t u = fx_sub(s->u[to], s->u[from]);
     const int32_t v = fx_sub(s->v[to], s->v[from]);
     const int32_t shear = stress_average_held(stress->uv);
-    sum[0] = fx_add64(sum[0], fx_mul_wide(stress_average_held(stress->uu), v) - fx_mul_wide(shear, u));
-    sum[1] = fx_add64(sum[1], fx_mul_wide(shear, v) - fx_mul_wide(stress_average_held(stress->vv), u));
+    const int32_t uu = stress_average_held(stress->uu);
+    const int32_t vv = stress_average_held(stress->vv);
+    sum[0] = fx_add64(sum[0], fx_mul_wide(uu, v) - fx_mul_wide(shear, u));
+    sum[1] = fx_add64(sum[1], fx_mul_wide(shear, v) - fx_mul_wide(vv, u));
     const int32_t pull_u = fx_saturate(fx_round64(sum[0], 16)) / 2; /* Q20 N/m lu */
     const int32_t pull_v = fx_saturate(fx_round64(sum[1], 16)) / 2;
     const uint64_t squared = fx_square(pull_u) + fx_square(pull_v);
@@ -281,13 +283,12 @@ void crack_advance(fray_world *w) {
   const crack_state *c = w->membrane.cracks;
   int32_t *cooldown = &w->trimesh.state->tear_cooldown[0];
   const uint32_t before = w->work.tears;
-  const int may_begin = c->begun == 0 || w->membrane.crack_constants->many != 0;
+  const int may_begin = c->tips == 0 || w->membrane.crack_constants->many != 0;
   w->work.tear_tests += triangles_in_use(w);
   if (*cooldown > 0) {
     --*cooldown;
     return;
   }
-  if (c->tips == 0 && !may_begin) return;
   stress_average_begin(w);
   advance_tips(w);
   if (may_begin) begin_crack(w);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Cracks of isotropic sheets: principal values; a notched strip, drawn along the warp, cracks across it on any mesh, at
  * the same force; what snaps leave behind and make; tips are all that is looked at. `all`: finer meshes, and notches
- * aslant; `strip COLUMNS PATTERN [SLANT]`: one strip. */
+ * aslant; `energy`: what tears make, on all meshes; `strip COLUMNS PATTERN [SLANT]`: one strip. */
 #include "tests/lib/test.h"
 
 #include "rt/base/sym2.h"
@@ -383,19 +383,20 @@ static void tears_make_no_energy(void) {
 
 /* ---- state ---- */
 
-/* Two slits, one from each side. */
-static void slits_open(fixture *f, const char *cracks) {
+/* Two slits, one from each side; with `held` a row between them is, and the lower end is drawn after the upper one. */
+static void slits_open(fixture *f, const char *cracks, int held) {
   fixture_print(f, "scene slits\nrate 1000 Hz\ngravity 0 0 0 cm/s2\nmembrane {\n columns 12\n rows 18\n cell 5 mm\n material sheet\n drag 60 /s\n}\n"
                    "material sheet {\n density 200 g/m2\n young 4 MPa\n thickness 0.2 mm\n breaks 200 kPa\n cracks %s\n tear_interval 3 ms\n}\n"
-                   "slit row 5 0 5\nslit row 13 8 12\npin row bottom\npin row top by b\nsphere b {\n radius 1 cm\n at 0 20 0 cm\n"
-                   " move path { 0 s 0 20 0 cm  0.2 s 0 21 0 cm }\n}\nlimits { contacts 0 }\n", cracks);
+                   "slit row 5 0 5\nslit row 13 8 12\npin row bottom%s\npin row top by b\nsphere b {\n radius 1 cm\n at 0 20 0 cm\n"
+                   " move path { 0 s 0 20 0 cm  0.2 s 0 21 0 cm }\n}\nsphere c {\n radius 1 cm\n at 0 -20 0 cm\n"
+                   " move path { 0 s 0 -20 0 cm  0.2 s 0 -20 0 cm  0.4 s 0 -21 0 cm }\n}\nlimits { contacts 0 }\n", cracks, held ? " by c\npin row 9" : "");
 }
 
 /* Saved between two edges of a crack and opened, and with the scalar kernel, it goes on with the same hashes. */
 static void a_saved_crack_goes_on(void) {
   fixture_scoped f = {0}, copy = {0};
   uint32_t differ = 0, ticks = 0;
-  slits_open(&f, "one");
+  slits_open(&f, "one", 0);
   while (f.w->trimesh.state->allocated < 12 && ++ticks < 400) (void)fixture_tick(&f, &fixture_idle);
   CHECK(f.w->membrane.cracks->begun == 1 && f.w->membrane.cracks->tips > 0);
   fixture_copy(&copy, &f);
@@ -413,7 +414,7 @@ static void one_crack_or_many(void) {
   uint32_t cracks[2], over = 0;
   for (uint32_t n = 0; n < 2; ++n) {
     fixture_scoped f = {0};
-    slits_open(&f, words[n]);
+    slits_open(&f, words[n], 0);
     const fray_work most = fray_work_bound(f.w);
     uint32_t beginnings = 0;
     for (uint32_t tick = 0; tick < 400; ++tick) {
@@ -430,6 +431,25 @@ static void one_crack_or_many(void) {
   CHECK_EQ_INT(over, 0);
 }
 
+/* Where the first one has come to its end the other half is whole, and cracks when it is drawn. */
+static void the_next_crack_begins_when_none_has_a_tip(void) {
+  fixture_scoped f = {0};
+  uint32_t beginnings = 0, early = 0, first = 0, last = 0;
+  slits_open(&f, "one", 1);
+  for (uint32_t tick = 0; tick < 500; ++tick) {
+    const int32_t tips = f.w->membrane.cracks->tips;
+    const uint32_t tears = fixture_tick(&f, &fixture_idle).work.tears;
+    if (tears == 0) continue;
+    if (first == 0) first = tick;
+    last = tick;
+    beginnings += tips == 0;
+    early += tips != 0 && f.w->membrane.cracks->tips > tips;
+  }
+  printf("figure crack_next %u cracks (asked: at least 2), tears from tick %u to %u (asked: to 200 at least), %u beside another (asked: 0)\n", beginnings, first, last, early);
+  CHECK(beginnings >= 2 && first < 200 && last > 200);
+  CHECK_EQ_INT(early, 0);
+}
+
 static void bad_tips_are_refused(void) {
   static const struct {
     uint32_t section, word;
@@ -437,7 +457,7 @@ static void bad_tips_are_refused(void) {
   } cases[] = {{IMAGE_CRACK_PARAMS, 0, 0}, {IMAGE_CRACK_PARAMS, 1, 0}, {IMAGE_CRACK_PARAMS, 2, 2}, {IMAGE_CRACK_STATE, 0, 2},
                {IMAGE_CRACK_STATE, 1, CRACK_TIPS + 1}, {IMAGE_CRACK_STATE, 2, 1}, {IMAGE_CRACK_STATE, 4, -1}};
   fixture_scoped f = {0};
-  slits_open(&f, "one");
+  slits_open(&f, "one", 0);
   for (uint32_t n = 0; n < sizeof cases / sizeof cases[0]; ++n) {
     fray_error error = {FRAY_OK, 0, 0, ""};
     uint8_t *place = image_mend_section(f.image, cases[n].section) + 4 * cases[n].word;
@@ -458,11 +478,17 @@ int main(int argc, char **argv) {
     (void)strip_figure(&one, one.slant != 0 ? 5 : one.columns == 40 ? 0.5 : 1.5);
     return 0;
   }
+  if (argc > 1 && strcmp(argv[1], "energy") == 0) {
+    all = 1;
+    TEST(tears_make_no_energy);
+    return test_end();
+  }
   TEST(principal_values);
   TEST(snaps_leave_stout_triangles);
   TEST(bad_tips_are_refused);
   TEST(a_saved_crack_goes_on);
   TEST(one_crack_or_many);
+  TEST(the_next_crack_begins_when_none_has_a_tip);
   TEST(tears_make_no_energy);
   TEST(notches_aslant);
   TEST(strips_crack_straight_at_one_force);
