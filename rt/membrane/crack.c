@@ -3,14 +3,15 @@
  * the material (stress_average.h), where it is above `breaks`.
  *
  *   a crack begins  where it is largest, across it: to both sides of a vertex inside; or, if there is one
- *                   within that length, inward from the vertex on the boundary whose own triangles bear most.
- *                   After the first only where `many` says so, farther than that length from every tip
+ *                   within that length, inward from the vertex on the boundary whose edges have most to let
+ *                   go. While a crack has a tip only where `many` says so, farther than that length from all
  *   a tip goes on   by an edge a tick, across its own stress, forward (trimesh_advance.h); it ends where it
  *                   meets a boundary
  *
  * (Haptic tearing of 2017, section V: the eigenvector of the largest eigenvalue, then the tip alone.) After a
  * crack none goes on for `cooldown` ticks, in which the stress finds its new balance. */
 #include "rt/membrane/membrane.h"
+#include "rt/membrane/snap_balance.h"
 #include "rt/membrane/stress_average.h"
 #include "rt/trimesh/trimesh_advance.h"
 
@@ -63,8 +64,26 @@ static void count_step(fray_world *w, uint32_t vertex) {
   world_count_tears(w, 1);
 }
 
+static trimesh_result open_path(fray_world *w, const trimesh_path *path, trimesh_step *step) {
+  const uint32_t nearer = trimesh_path_nearer(path);
+  trimesh_snap snap;
+  snap_parting parting;
+  for (uint32_t n = 0; n < 2; ++n) {
+    if (!trimesh_path_snap(w, path, n == 0 ? nearer : 1u - nearer, &snap) ||
+        !snap_balance(w, path, &snap, &parting))
+      continue;
+    const trimesh_result result = trimesh_path_open(w, path, &snap, TRIMESH_TORN, step);
+    if (result == TRIMESH_DONE && path->ring.closed == 0)
+      snap_part(w, path->vertex, w->p.count - 1u, &parting);
+    return result;
+  }
+  return trimesh_path_open(w, path, NULL, TRIMESH_TORN, step);
+}
+
 static trimesh_result open_way(fray_world *w, uint32_t vertex, crack_way way, trimesh_step *step) {
-  const trimesh_result result = trimesh_advance(w, vertex, way.u, way.v, TRIMESH_TORN, step);
+  trimesh_path path;
+  trimesh_result result = trimesh_path_find(w, vertex, way.u, way.v, &path);
+  if (result == TRIMESH_DONE) result = open_path(w, &path, step);
   if (result == TRIMESH_NO_PARTICLES) world_fault(w, FRAY_FAULT_PARTICLES_FULL);
   if (result == TRIMESH_NO_TRIANGLES) world_fault(w, FRAY_FAULT_TRIANGLES_FULL);
   if (result == TRIMESH_DONE) count_step(w, vertex);
@@ -143,11 +162,13 @@ static int mark_loaded(fray_world *w) {
   return any;
 }
 
+static uint64_t edge_squared(const trimesh *s, uint32_t a, uint32_t b) {
+  return fx_square(fx_sub(s->u[a], s->u[b])) + fx_square(fx_sub(s->v[a], s->v[b]));
+}
+
 /* Within the length of the average. */
 static int are_near(const fray_world *w, uint32_t a, uint32_t b) {
-  const trimesh *s = &w->trimesh;
-  return fx_square(fx_sub(s->u[a], s->u[b])) + fx_square(fx_sub(s->v[a], s->v[b])) <=
-         fx_square(w->membrane.crack_constants->average);
+  return edge_squared(&w->trimesh, a, b) <= fx_square(w->membrane.crack_constants->average);
 }
 
 static int is_far_from_tips(const fray_world *w, uint32_t vertex) {
@@ -157,24 +178,36 @@ static int is_far_from_tips(const fray_world *w, uint32_t vertex) {
   return 1;
 }
 
-/* The largest principal stress of a vertex's own triangles, by their areas. */
-static int32_t stress_of_ring(fray_world *w, uint32_t vertex) {
+/* The tension that the best edge from a vertex on the boundary would let go, Q10 N/m: what the triangles on
+ * one side of it pull with, over its length. A triangle pulls its corner with stress times half the opposite
+ * edge, turned by a right angle. */
+static uint32_t pull_of_ring(const fray_world *w, uint32_t vertex) {
+  const trimesh *s = &w->trimesh;
   trimesh_ring ring;
-  int64_t sum[3] = {0, 0, 0};
-  int64_t area = 0;
-  trimesh_ring_of(&w->trimesh, vertex, &ring);
-  for (uint32_t n = 0; n < ring.count; ++n) {
+  int64_t sum[2] = {0, 0};
+  uint32_t most = 0;
+  trimesh_ring_of(s, vertex, &ring);
+  for (uint32_t n = 0; n + 1u < ring.count; ++n) {
     const material_tensor *stress = &w->membrane.stress[ring.triangle[n]];
-    const int32_t weight = (int32_t)w->trimesh.area[ring.triangle[n]];
-    sum[0] = fx_add64(sum[0], fx_mul_wide(stress->uu, weight));
-    sum[1] = fx_add64(sum[1], fx_mul_wide(stress->vv, weight));
-    sum[2] = fx_add64(sum[2], fx_mul_wide(stress->uv, weight));
-    area += weight;
+    const uint32_t from = trimesh_ring_end(s, &ring, n);
+    const uint32_t to = trimesh_ring_end(s, &ring, n + 1u);
+    const int32_t u = fx_sub(s->u[to], s->u[from]);
+    const int32_t v = fx_sub(s->v[to], s->v[from]);
+    const int32_t shear = stress_average_held(stress->uv);
+    const int32_t uu = stress_average_held(stress->uu);
+    const int32_t vv = stress_average_held(stress->vv);
+    sum[0] = fx_add64(sum[0], fx_mul_wide(uu, v) - fx_mul_wide(shear, u));
+    sum[1] = fx_add64(sum[1], fx_mul_wide(shear, v) - fx_mul_wide(vv, u));
+    const int32_t pull_u = fx_saturate(fx_round64(sum[0], 16)) / 2; /* Q20 N/m lu */
+    const int32_t pull_v = fx_saturate(fx_round64(sum[1], 16)) / 2;
+    const uint64_t squared = fx_square(pull_u) + fx_square(pull_v);
+    if (squared == 0) continue;
+    const uint64_t pull = fx_root_length(fx_rsqrt(squared, FX_ROOT_FINE));
+    const uint64_t length = edge_squared(s, vertex, to);
+    const uint32_t tension = fx_divide_wide(pull << 14, fx_root_length(fx_rsqrt(length, FX_ROOT_FINE)));
+    if (tension > most) most = tension;
   }
-  const sym2 mean = {stress_average_held(sum[0] / area), stress_average_held(sum[1] / area),
-                     stress_average_held(sum[2] / area)};
-  ++w->work.eigenvalues;
-  return sym2_eigen_of(mean).major;
+  return most;
 }
 
 /* Into the sheet, from a vertex on the boundary: halfway between the two edges there. */
@@ -218,15 +251,15 @@ static void begin_at(fray_world *w, uint32_t vertex) {
 /* The average is less at the end of a notch, whose sides bear nothing, than before it. */
 static uint32_t boundary_near(fray_world *w, uint32_t vertex) {
   uint32_t best = vertex;
-  int32_t largest = 0;
+  uint32_t largest = 0;
   for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
     if (w->membrane.max_stress[p].x == 0 || !trimesh_is_boundary(&w->trimesh, p) || !are_near(w, p, vertex) ||
         !is_far_from_tips(w, p))
       continue;
-    const int32_t stress = stress_of_ring(w, p);
-    if (stress <= largest) continue;
+    const uint32_t pull = pull_of_ring(w, p);
+    if (pull <= largest) continue;
     best = p;
-    largest = stress;
+    largest = pull;
   }
   return best;
 }
@@ -250,13 +283,12 @@ void crack_advance(fray_world *w) {
   const crack_state *c = w->membrane.cracks;
   int32_t *cooldown = &w->trimesh.state->tear_cooldown[0];
   const uint32_t before = w->work.tears;
-  const int may_begin = c->begun == 0 || w->membrane.crack_constants->many != 0;
+  const int may_begin = c->tips == 0 || w->membrane.crack_constants->many != 0;
   w->work.tear_tests += triangles_in_use(w);
   if (*cooldown > 0) {
     --*cooldown;
     return;
   }
-  if (c->tips == 0 && !may_begin) return;
   stress_average_begin(w);
   advance_tips(w);
   if (may_begin) begin_crack(w);

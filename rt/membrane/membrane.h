@@ -50,8 +50,12 @@ void membrane_angles_now(fray_world *w);
 void bend_angles_find(fray_world *w); /* a part of it */
 #endif
 
-/* Stiffness that triangle t keeps, Q30 of 0..1: less than 1 where a tear or a cut left it too low for the
+/* Stiffness that a triangle keeps, Q30 of 0..1: less than 1 where a tear or a cut left it too low for the
  * elastic steps. */
-int32_t membrane_softening(const fray_world *w, uint32_t t);
+int32_t membrane_softening_of(const fray_world *w, const trimesh_weights *weights);
+static inline int32_t membrane_softening(const fray_world *w, uint32_t t) {
+  FRAY_ASSERT(t < triangles_in_use(w));
+  return membrane_softening_of(w, &w->trimesh.weights[t]);
+}
 
 #endif

@@ -15,9 +15,8 @@ enum { SOFTENED = 751619277 /* 7/10 in Q30 */ };
 
 /* Elastic steps of this length bear norm2_max, in small motion: what a tear leaves beyond it has no neighbour
  * that holds it back and is soon far from its shape, so it keeps 7/10 of what could be borne. */
-int32_t membrane_softening(const fray_world *w, uint32_t t) {
-  FRAY_ASSERT(t < triangles_in_use(w));
-  const trimesh_gram gram = trimesh_gram_of(&w->trimesh.weights[t]);
+int32_t membrane_softening_of(const fray_world *w, const trimesh_weights *weights) {
+  const trimesh_gram gram = trimesh_gram_of(weights);
   const uint32_t max = (uint32_t)w->membrane.constants->norm2_max;
   if (trimesh_gram_is_within(&gram, max)) return 1 << 30;
   const uint32_t norm2 = trimesh_norm2(&gram);

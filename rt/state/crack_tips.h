@@ -13,7 +13,7 @@ enum { CRACK_TIPS = 32, CRACK_AVERAGE_MAX = 4 * FX_LU };
 #define CRACK_PARAMS(X) \
   X(breaks,             1,          MAX_TEAR_STRENGTH) /* Q12 N/m: principal stress at which it cracks */ \
   X(average,            1 << 10,    CRACK_AVERAGE_MAX) /* Q24 lu at rest: radius of the average */ \
-  X(many,               0,          1)                 /* a crack may begin where others have begun */
+  X(many,               0,          1)                 /* a crack may begin while others have tips */
 typedef struct {
   int32_t breaks, average, many;
 } crack_params;

@@ -60,10 +60,7 @@ static int32_t over_twice_area(int32_t n, int64_t twice) {
   return n < 0 ? -(int32_t)quotient : (int32_t)quotient;
 }
 
-trimesh_weights trimesh_weights_of(const trimesh *s, uint32_t t) {
-  const trimesh_point a = trimesh_at(s, s->triangle[t].v[0]);
-  const trimesh_point b = trimesh_at(s, s->triangle[t].v[1]);
-  const trimesh_point c = trimesh_at(s, s->triangle[t].v[2]);
+trimesh_weights trimesh_weights_between(trimesh_point a, trimesh_point b, trimesh_point c) {
   const int64_t twice = trimesh_twice_area(a, b, c);
   FRAY_ASSERT(twice > 0);
   const trimesh_weights w = {

@@ -192,7 +192,11 @@ static inline int trimesh_has_quality(const trimesh *s, trimesh_point a, trimesh
   return trimesh_exceeds_quality(s, 0, a, b, c);
 }
 /* Of a triangle with at least the minimal area and height. */
-trimesh_weights trimesh_weights_of(const trimesh *s, uint32_t t);
+trimesh_weights trimesh_weights_between(trimesh_point a, trimesh_point b, trimesh_point c);
+static inline trimesh_weights trimesh_weights_of(const trimesh *s, uint32_t t) {
+  const index_t *v = s->triangle[t].v;
+  return trimesh_weights_between(trimesh_at(s, v[0]), trimesh_at(s, v[1]), trimesh_at(s, v[2]));
+}
 bend_shape bend_shape_of(const trimesh *s, uint32_t t);
 
 /* Computes mass, weights and shapes for bending from the state. Cost: linear in particles and triangles. */

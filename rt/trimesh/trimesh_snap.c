@@ -18,15 +18,7 @@ int trimesh_is_stout(const trimesh *s, trimesh_point a, trimesh_point b, trimesh
   return trimesh_has_quality(s, a, b, c) && is_wide(a, b, c) && is_wide(b, c, a) && is_wide(c, a, b);
 }
 
-/* What a snap makes of a one-ring. */
-typedef struct {
-  trimesh_ring ring; /* closed */
-  trimesh_point at;
-  uint32_t area[TRIMESH_RING_MAX];
-  int32_t velocity[3], remainder[3];
-} snap_plan;
-
-static int plan_areas(const trimesh *s, snap_plan *p) {
+static int plan_areas(const trimesh *s, trimesh_snap *p) {
   uint32_t whole = 0;
   uint32_t sum = 0;
   uint32_t largest = 0;
@@ -46,22 +38,21 @@ static int plan_areas(const trimesh *s, snap_plan *p) {
   return rest > 0 && rest < TRIMESH_AREA_MAX;
 }
 
-/* Of the vertex at the end of ring edge n. */
-static int32_t mass_gained(const trimesh *s, const snap_plan *p, uint32_t n) {
+int32_t trimesh_snap_mass_gained(const trimesh *s, const trimesh_snap *p, uint32_t n) {
   const uint32_t m = n == 0 ? p->ring.count - 1u : n - 1u;
   return (int32_t)p->area[n] - (int32_t)s->area[p->ring.triangle[n]] + (int32_t)p->area[m] -
          (int32_t)s->area[p->ring.triangle[m]];
 }
 
-static int plan_velocity(const fray_world *w, uint32_t vertex, snap_plan *p) {
+static int plan_velocity(const fray_world *w, trimesh_snap *p) {
   const trimesh *s = &w->trimesh;
   const int32_t *const v[3] = {w->p.vx, w->p.vy, w->p.vz};
-  const int64_t mass = s->mass[vertex];
+  const int64_t mass = s->mass[p->vertex];
   for (uint32_t axis = 0; axis < 3; ++axis) {
-    int64_t momentum = fx_add64(fx_mul64(mass, v[axis][vertex]), s->state->momentum_remainder[axis]);
+    int64_t momentum = fx_add64(fx_mul64(mass, v[axis][p->vertex]), s->state->momentum_remainder[axis]);
     for (uint32_t n = 0; n < p->ring.count; ++n)
-      momentum = fx_add64(momentum,
-                          -fx_mul_wide(mass_gained(s, p, n), v[axis][trimesh_ring_end(s, &p->ring, n)]));
+      momentum = fx_add64(momentum, -fx_mul_wide(trimesh_snap_mass_gained(s, p, n),
+                                                 v[axis][trimesh_ring_end(s, &p->ring, n)]));
     const uint64_t size = momentum < 0 ? (uint64_t)-momentum : (uint64_t)momentum;
     if (mass > INT32_MAX || size / (uint64_t)mass >= FX_SPEED_MAX) return 0;
     const int64_t speed = (int64_t)fx_divide_wide(size + (uint64_t)mass / 2u, (uint32_t)mass);
@@ -71,13 +62,13 @@ static int plan_velocity(const fray_world *w, uint32_t vertex, snap_plan *p) {
   return 1;
 }
 
-static void slide_axis(int32_t *x, int32_t *q, int8_t *r, uint32_t vertex, uint32_t to, int32_t fraction) {
-  const int64_t from = (int64_t)x[vertex] * 16 + r[vertex];
+static void plan_axis(const int32_t *x, const int32_t *q, const int8_t *r, uint32_t to, uint32_t fraction,
+                      uint32_t axis, trimesh_snap *p) {
+  const int64_t from = (int64_t)x[p->vertex] * 16 + r[p->vertex];
   const int64_t way = (int64_t)x[to] * 16 + r[to] - from;
-  const int64_t fine = from + fx_round64(way * fraction, 16);
-  q[vertex] = (int32_t)(q[vertex] + fx_round64(((int64_t)q[to] - q[vertex]) * fraction, 16));
-  x[vertex] = (int32_t)fx_round64(fine, FX_SUB_BITS);
-  r[vertex] = (int8_t)(fine - (int64_t)x[vertex] * 16);
+  const int64_t predicted = (int64_t)q[to] - q[p->vertex];
+  p->place[axis] = from + fx_round64(way * fraction, 16);
+  p->predicted[axis] = (int32_t)(q[p->vertex] + fx_round64(predicted * fraction, 16));
 }
 
 static void toggle_fan(fray_world *w, uint32_t vertex, const trimesh_ring *ring) {
@@ -86,22 +77,42 @@ static void toggle_fan(fray_world *w, uint32_t vertex, const trimesh_ring *ring)
     world_toggle_entry(w, trimesh_triangle_entry(&w->trimesh, ring->triangle[n]));
 }
 
-static void execute_snap(fray_world *w, uint32_t vertex, uint32_t to, int32_t fraction, const snap_plan *p) {
+static void place_axis(int32_t *x, int32_t *q, int8_t *r, uint32_t axis, const trimesh_snap *p) {
+  x[p->vertex] = (int32_t)fx_round64(p->place[axis], FX_SUB_BITS);
+  r[p->vertex] = (int8_t)(p->place[axis] - (int64_t)x[p->vertex] * 16);
+  q[p->vertex] = p->predicted[axis];
+}
+
+int trimesh_snap_plan(const fray_world *w, uint32_t vertex, uint32_t to, uint32_t fraction, trimesh_snap *p) {
+  FRAY_ASSERT(vertex < w->p.count && to < w->p.count && fraction <= TRIMESH_WEIGHT_ONE);
+  if (particle_is_attached(w, vertex) || particle_is_attached(w, to)) return 0;
+  p->vertex = vertex;
+  trimesh_ring_of(&w->trimesh, vertex, &p->ring);
+  p->at = trimesh_point_on(trimesh_at(&w->trimesh, vertex), trimesh_at(&w->trimesh, to), fraction);
+  plan_axis(w->p.x, w->p.qx, w->p.rx, to, fraction, 0, p);
+  plan_axis(w->p.y, w->p.qy, w->p.ry, to, fraction, 1, p);
+  plan_axis(w->p.z, w->p.qz, w->p.rz, to, fraction, 2, p);
+  return p->ring.closed != 0 && plan_areas(&w->trimesh, p) && plan_velocity(w, p);
+}
+
+void trimesh_snap_apply(fray_world *w, const trimesh_snap *p) {
   trimesh *s = &w->trimesh;
+  const uint32_t vertex = p->vertex;
   int32_t *const v[3] = {w->p.vx, w->p.vy, w->p.vz};
+  FRAY_ASSERT(vertex < w->p.count);
   toggle_fan(w, vertex, &p->ring);
   for (uint32_t n = 0; n < p->ring.count; ++n) {
     uint32_t *mass = &s->mass[trimesh_ring_end(s, &p->ring, n)];
-    *mass = (uint32_t)fx_wrap_add((int32_t)*mass, mass_gained(s, p, n));
+    *mass = (uint32_t)fx_wrap_add((int32_t)*mass, trimesh_snap_mass_gained(s, p, n));
   }
   for (uint32_t n = 0; n < p->ring.count; ++n) s->area[p->ring.triangle[n]] = p->area[n];
   for (uint32_t axis = 0; axis < 3; ++axis) {
     v[axis][vertex] = p->velocity[axis];
     s->state->momentum_remainder[axis] = p->remainder[axis];
   }
-  slide_axis(w->p.x, w->p.qx, w->p.rx, vertex, to, fraction);
-  slide_axis(w->p.y, w->p.qy, w->p.ry, vertex, to, fraction);
-  slide_axis(w->p.z, w->p.qz, w->p.rz, vertex, to, fraction);
+  place_axis(w->p.x, w->p.qx, w->p.rx, 0, p);
+  place_axis(w->p.y, w->p.qy, w->p.ry, 1, p);
+  place_axis(w->p.z, w->p.qz, w->p.rz, 2, p);
   s->u[vertex] = p->at.u;
   s->v[vertex] = p->at.v;
   for (uint32_t n = 0; n < p->ring.count; ++n) {
@@ -112,18 +123,6 @@ static void execute_snap(fray_world *w, uint32_t vertex, uint32_t to, int32_t fr
   toggle_fan(w, vertex, &p->ring);
   w->membrane.bend_current = 0;
   if (world_has_triangle_collision(w)) w->tri.list->valid = 0; /* it has jumped */
-}
-
-trimesh_result trimesh_snap(fray_world *w, uint32_t vertex, uint32_t to, uint32_t fraction) {
-  snap_plan p;
-  FRAY_ASSERT(vertex < w->p.count && to < w->p.count && fraction <= TRIMESH_WEIGHT_ONE);
-  if (particle_is_attached(w, vertex) || particle_is_attached(w, to)) return TRIMESH_NO_PATH;
-  trimesh_ring_of(&w->trimesh, vertex, &p.ring);
-  p.at = trimesh_point_on(trimesh_at(&w->trimesh, vertex), trimesh_at(&w->trimesh, to), fraction);
-  if (p.ring.closed == 0 || !plan_areas(&w->trimesh, &p) || !plan_velocity(w, vertex, &p))
-    return TRIMESH_NO_PATH;
-  execute_snap(w, vertex, to, (int32_t)fraction, &p);
-  return TRIMESH_DONE;
 }
 
 #endif
