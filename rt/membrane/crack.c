@@ -80,9 +80,15 @@ static trimesh_result open_path(fray_world *w, const trimesh_path *path, trimesh
   return trimesh_path_open(w, path, NULL, TRIMESH_TORN, step);
 }
 
+/* What a crack makes keeps half of its stiffness, or more (membrane_gains.c): slivers that keep less are drawn
+ * to several times their length by what their neighbours carry. */
+static uint32_t norm2_most(const fray_world *w) {
+  return (uint32_t)fx_clamp64(fx_mul_wide(w->membrane.constants->norm2_max, 7) / 5, 0, UINT32_MAX);
+}
+
 static trimesh_result open_way(fray_world *w, uint32_t vertex, crack_way way, trimesh_step *step) {
   trimesh_path path;
-  trimesh_result result = trimesh_path_find(w, vertex, way.u, way.v, &path);
+  trimesh_result result = trimesh_path_find(w, vertex, way.u, way.v, norm2_most(w), &path);
   if (result == TRIMESH_DONE) result = open_path(w, &path, step);
   if (result == TRIMESH_NO_PARTICLES) world_fault(w, FRAY_FAULT_PARTICLES_FULL);
   if (result == TRIMESH_NO_TRIANGLES) world_fault(w, FRAY_FAULT_TRIANGLES_FULL);

@@ -16,12 +16,13 @@ static int can_open_to(const fray_world *w, const trimesh_ring *ring, uint32_t n
 }
 
 trimesh_result trimesh_path_find(const fray_world *w, uint32_t vertex, int32_t du, int32_t dv,
-                                 trimesh_path *path) {
+                                 uint32_t norm2_most, trimesh_path *path) {
   enum { PARTICLES = 3, TRIANGLES = 2 }; /* that a step takes at most */
   const trimesh *s = &w->trimesh;
   trimesh_ray ray;
   FRAY_ASSERT(vertex < w->p.count);
   path->vertex = vertex;
+  path->norm2_most = norm2_most;
   trimesh_ring_of(s, vertex, &path->ring);
   if (particle_is_attached(w, vertex) ||
       !trimesh_ray_along(s, &path->ring, trimesh_at(s, vertex), du, dv, &ray))
@@ -38,10 +39,11 @@ trimesh_result trimesh_path_find(const fray_world *w, uint32_t vertex, int32_t d
 }
 
 /* Of a triangle that is divided from corner k to a point of the opposite edge. */
-static int parts_are_stout(const trimesh *s, uint32_t t, uint32_t k, trimesh_point at) {
+static int parts_are_stout(const trimesh *s, uint32_t norm2_most, uint32_t t, uint32_t k,
+                           trimesh_point at) {
   const trimesh_point apex = trimesh_at(s, s->triangle[t].v[k]);
-  return trimesh_is_stout(s, apex, trimesh_at(s, s->triangle[t].v[trimesh_next(k)]), at) &&
-         trimesh_is_stout(s, apex, at, trimesh_at(s, s->triangle[t].v[trimesh_previous(k)]));
+  return trimesh_is_stout(s, norm2_most, apex, trimesh_at(s, s->triangle[t].v[trimesh_next(k)]), at) &&
+         trimesh_is_stout(s, norm2_most, apex, at, trimesh_at(s, s->triangle[t].v[trimesh_previous(k)]));
 }
 
 static int divides_stoutly(const fray_world *w, const trimesh_path *p) {
@@ -51,8 +53,8 @@ static int divides_stoutly(const fray_world *w, const trimesh_path *p) {
   const uint32_t other = trimesh_neighbour(s, t, k);
   const trimesh_point at =
       trimesh_point_on(trimesh_at(s, p->end[0]), trimesh_at(s, p->end[1]), p->fraction);
-  return trimesh_can_divide_edge(s, t, k, p->fraction) && parts_are_stout(s, t, k, at) &&
-         (other == TRIMESH_NONE || parts_are_stout(s, other, trimesh_neighbour_edge(s, t, k), at));
+  return trimesh_can_divide_edge(s, t, k, p->fraction) && parts_are_stout(s, p->norm2_most, t, k, at) &&
+         (other == TRIMESH_NONE || parts_are_stout(s, p->norm2_most, other, trimesh_neighbour_edge(s, t, k), at));
 }
 
 /* The end where an edge is the path. */
@@ -66,7 +68,7 @@ int trimesh_path_snap(const fray_world *w, const trimesh_path *path, uint32_t m,
   FRAY_ASSERT(m < 2);
   const uint32_t fraction = m == 0 ? path->fraction : TRIMESH_WEIGHT_ONE - path->fraction;
   return end_beside(path) == TRIMESH_NONE && fraction <= FARTHEST && path->can_open[m] &&
-         trimesh_snap_plan(w, path->end[m], path->end[1u - m], fraction, snap);
+         trimesh_snap_plan(w, path->end[m], path->end[1u - m], fraction, path->norm2_most, snap);
 }
 
 /* Brings a vertex onto the path, or takes one beside it: TRIMESH_NONE, where there is none. */

@@ -19,6 +19,7 @@ typedef struct {
   uint32_t vertex;
   trimesh_ring ring;
   uint32_t n, fraction; /* Q16 of that edge */
+  uint32_t norm2_most;  /* of the triangles that it makes, see trimesh_is_stout() */
   uint32_t end[2];
   int can_open[2];
 } trimesh_path;
@@ -37,7 +38,7 @@ typedef struct {
 /* The way in the direction (du, dv) of rest coordinates, |du|, |dv| <= 2^30. TRIMESH_NO_PATH, or the pool
  * that has no room for a step of it. Cost: a one-ring. */
 trimesh_result trimesh_path_find(const fray_world *w, uint32_t vertex, int32_t du, int32_t dv,
-                                 trimesh_path *path);
+                                 uint32_t norm2_most, trimesh_path *path);
 
 /* End m of the edge ahead moves onto the path. Returns 0 where none has to, it is too far, or
  * trimesh_snap_plan() says no. */
@@ -52,14 +53,15 @@ static inline uint32_t trimesh_path_nearer(const trimesh_path *path) {
 trimesh_result trimesh_path_open(fray_world *w, const trimesh_path *path, const trimesh_snap *snap,
                                  trimesh_mark mark, trimesh_step *step);
 
-/* No angle is below 15 degrees, and the triangle is no sliver. */
-int trimesh_is_stout(const trimesh *s, trimesh_point a, trimesh_point b, trimesh_point c);
+/* No angle is below 15 degrees, the triangle is no sliver, and its trimesh_norm2() is at most this. */
+int trimesh_is_stout(const trimesh *s, uint32_t norm2_most, trimesh_point a, trimesh_point b, trimesh_point c);
 
 /* A free vertex inside of the sheet moves along its edge to vertex `to`, at `fraction` of the way, Q16. Areas
  * of its one-ring are shared out anew, the largest triangle takes what rounding leaves; its velocity is that
  * which keeps the momentum, which rounding leaves to momentum_remainder. Returns 0 where a triangle would not
  * be stout, or the velocity out of range. */
-int trimesh_snap_plan(const fray_world *w, uint32_t vertex, uint32_t to, uint32_t fraction, trimesh_snap *p);
+int trimesh_snap_plan(const fray_world *w, uint32_t vertex, uint32_t to, uint32_t fraction, uint32_t norm2_most,
+                      trimesh_snap *p);
 /* In the format of trimesh.mass: of the vertex at the end of ring edge n. */
 int32_t trimesh_snap_mass_gained(const trimesh *s, const trimesh_snap *p, uint32_t n);
 void trimesh_snap_apply(fray_world *w, const trimesh_snap *p);

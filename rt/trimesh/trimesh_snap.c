@@ -14,18 +14,21 @@ static int is_wide(trimesh_point a, trimesh_point b, trimesh_point c) {
   return dot <= 0 || fx_asr64(trimesh_twice_area(a, b, c), 16) >= fx_mul64(fx_asr64(dot, 32), TANGENT_15);
 }
 
-int trimesh_is_stout(const trimesh *s, trimesh_point a, trimesh_point b, trimesh_point c) {
-  return trimesh_has_quality(s, a, b, c) && is_wide(a, b, c) && is_wide(b, c, a) && is_wide(c, a, b);
+int trimesh_is_stout(const trimesh *s, uint32_t norm2_most, trimesh_point a, trimesh_point b, trimesh_point c) {
+  if (!trimesh_has_quality(s, a, b, c) || !is_wide(a, b, c) || !is_wide(b, c, a) || !is_wide(c, a, b)) return 0;
+  const trimesh_weights weights = trimesh_weights_between(a, b, c);
+  const trimesh_gram gram = trimesh_gram_of(&weights);
+  return trimesh_gram_is_within(&gram, norm2_most);
 }
 
-static int plan_areas(const trimesh *s, trimesh_snap *p) {
+static int plan_areas(const trimesh *s, uint32_t norm2_most, trimesh_snap *p) {
   uint32_t whole = 0;
   uint32_t sum = 0;
   uint32_t largest = 0;
   for (uint32_t n = 0; n < p->ring.count; ++n) {
     const trimesh_point a = trimesh_at(s, trimesh_ring_end(s, &p->ring, n));
     const trimesh_point b = trimesh_at(s, trimesh_ring_end(s, &p->ring, n + 1u));
-    if (!trimesh_is_stout(s, p->at, a, b)) return 0;
+    if (!trimesh_is_stout(s, norm2_most, p->at, a, b)) return 0;
     const int64_t area = fx_round64(trimesh_twice_area(p->at, a, b), 19);
     if (area < 1 || area >= TRIMESH_AREA_MAX) return 0;
     p->area[n] = (uint32_t)area;
@@ -83,7 +86,8 @@ static void place_axis(int32_t *x, int32_t *q, int8_t *r, uint32_t axis, const t
   q[p->vertex] = p->predicted[axis];
 }
 
-int trimesh_snap_plan(const fray_world *w, uint32_t vertex, uint32_t to, uint32_t fraction, trimesh_snap *p) {
+int trimesh_snap_plan(const fray_world *w, uint32_t vertex, uint32_t to, uint32_t fraction, uint32_t norm2_most,
+                      trimesh_snap *p) {
   FRAY_ASSERT(vertex < w->p.count && to < w->p.count && fraction <= TRIMESH_WEIGHT_ONE);
   if (particle_is_attached(w, vertex) || particle_is_attached(w, to)) return 0;
   p->vertex = vertex;
@@ -92,7 +96,7 @@ int trimesh_snap_plan(const fray_world *w, uint32_t vertex, uint32_t to, uint32_
   plan_axis(w->p.x, w->p.qx, w->p.rx, to, fraction, 0, p);
   plan_axis(w->p.y, w->p.qy, w->p.ry, to, fraction, 1, p);
   plan_axis(w->p.z, w->p.qz, w->p.rz, to, fraction, 2, p);
-  return p->ring.closed != 0 && plan_areas(&w->trimesh, p) && plan_velocity(w, p);
+  return p->ring.closed != 0 && plan_areas(&w->trimesh, norm2_most, p) && plan_velocity(w, p);
 }
 
 void trimesh_snap_apply(fray_world *w, const trimesh_snap *p) {
