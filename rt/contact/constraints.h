@@ -16,8 +16,9 @@ void contact_guard_apply(fray_world *w);
 void contact_planes_find(fray_world *w);
 void contact_planes_solve(fray_world *w, const elastic_step *step);
 
-/* There is no room for a constraint: a fault, and for the rest of the substep nothing moves positions off bodies. Where
- * a velocity was not stopped, its position is stopped again and again, and stores more each time than it took. */
+/* There is no room for a constraint: a fault, and for the rest of the substep nothing moves positions off
+ * bodies. Where a velocity was not stopped, its position is stopped again and again, and stores more each
+ * time than it took. */
 void contact_constraint_miss(fray_world *w);
 /* Adds a constraint; `gap` is in Q24 lu. Misses it where the pool is full. */
 void contact_constraint_add(fray_world *w, uint32_t body, constraint_kind kind,

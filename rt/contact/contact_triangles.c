@@ -13,9 +13,9 @@
  *               that is not taken goes nowhere that the old one did not, so what stayed away still does.
  *
  * What exceeds a pool or budget is reported; it is pinned where constraints had room for all that they found
- * (constraints.h), else it passes. Attached vertices cannot be pinned: a free body that meets them is stopped
- * (contact_vertices.c); where they draw a triangle through something nevertheless, that is reported. Triangles
- * at a vertex that the body itself holds pass it freely. */
+ * (constraints.h), else it passes. Attached vertices cannot be pinned: a free body that meets them is
+ * stopped (contact_vertices.c); where they draw a triangle through something nevertheless, that is reported.
+ * Triangles at a vertex that the body itself holds pass it freely. */
 #include "rt/contact/contact_triangles.h"
 
 #include "rt/contact/collider_triangle.h"

@@ -80,8 +80,8 @@ static trimesh_result open_path(fray_world *w, const trimesh_path *path, trimesh
   return trimesh_path_open(w, path, NULL, TRIMESH_TORN, step);
 }
 
-/* What a crack makes keeps half of its stiffness, or more (membrane_gains.c): slivers that keep less are drawn
- * to several times their length by what their neighbours carry. */
+/* What a crack makes keeps half of its stiffness, or more (membrane_gains.c): slivers that keep less are
+ * drawn to several times their length by what their neighbours carry. */
 static uint32_t norm2_most(const fray_world *w) {
   return (uint32_t)fx_clamp64(fx_mul_wide(w->membrane.constants->norm2_max, 7) / 5, 0, UINT32_MAX);
 }

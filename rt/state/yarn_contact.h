@@ -55,8 +55,8 @@ typedef struct {
   index_t neighbour[4]; /* by direction, see yarn_grid_step() */
   int32_t limit[2];     /* Q20 spacings: what friction holds along a yarn; YARN_CONTACT_FIXED */
   uint32_t next[2];     /* places after this substep */
-  int32_t impulse[3];   /* on the weft, in half crossings: Q24 lu a substep, of elastic yarns Q28 lu per substep;
-                         * the warp gets the opposite */
+  int32_t impulse[3];   /* on the weft, in half crossings: Q24 lu a substep, of elastic yarns Q28 lu per
+                         * substep; the warp gets the opposite */
   int32_t quiet[3];     /* the same, of what moves them without changing a velocity. Gap before breaks */
 } yarn_contact_step;
 

@@ -54,7 +54,8 @@ static int divides_stoutly(const fray_world *w, const trimesh_path *p) {
   const trimesh_point at =
       trimesh_point_on(trimesh_at(s, p->end[0]), trimesh_at(s, p->end[1]), p->fraction);
   return trimesh_can_divide_edge(s, t, k, p->fraction) && parts_are_stout(s, p->norm2_most, t, k, at) &&
-         (other == TRIMESH_NONE || parts_are_stout(s, p->norm2_most, other, trimesh_neighbour_edge(s, t, k), at));
+         (other == TRIMESH_NONE ||
+          parts_are_stout(s, p->norm2_most, other, trimesh_neighbour_edge(s, t, k), at));
 }
 
 /* The end where an edge is the path. */

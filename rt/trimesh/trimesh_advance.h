@@ -54,14 +54,15 @@ trimesh_result trimesh_path_open(fray_world *w, const trimesh_path *path, const 
                                  trimesh_mark mark, trimesh_step *step);
 
 /* No angle is below 15 degrees, the triangle is no sliver, and its trimesh_norm2() is at most this. */
-int trimesh_is_stout(const trimesh *s, uint32_t norm2_most, trimesh_point a, trimesh_point b, trimesh_point c);
+int trimesh_is_stout(const trimesh *s, uint32_t norm2_most, trimesh_point a, trimesh_point b,
+                     trimesh_point c);
 
 /* A free vertex inside of the sheet moves along its edge to vertex `to`, at `fraction` of the way, Q16. Areas
  * of its one-ring are shared out anew, the largest triangle takes what rounding leaves; its velocity is that
  * which keeps the momentum, which rounding leaves to momentum_remainder. Returns 0 where a triangle would not
  * be stout, or the velocity out of range. */
-int trimesh_snap_plan(const fray_world *w, uint32_t vertex, uint32_t to, uint32_t fraction, uint32_t norm2_most,
-                      trimesh_snap *p);
+int trimesh_snap_plan(const fray_world *w, uint32_t vertex, uint32_t to, uint32_t fraction,
+                      uint32_t norm2_most, trimesh_snap *p);
 /* In the format of trimesh.mass: of the vertex at the end of ring edge n. */
 int32_t trimesh_snap_mass_gained(const trimesh *s, const trimesh_snap *p, uint32_t n);
 void trimesh_snap_apply(fray_world *w, const trimesh_snap *p);

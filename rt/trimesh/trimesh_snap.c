@@ -14,8 +14,10 @@ static int is_wide(trimesh_point a, trimesh_point b, trimesh_point c) {
   return dot <= 0 || fx_asr64(trimesh_twice_area(a, b, c), 16) >= fx_mul64(fx_asr64(dot, 32), TANGENT_15);
 }
 
-int trimesh_is_stout(const trimesh *s, uint32_t norm2_most, trimesh_point a, trimesh_point b, trimesh_point c) {
-  if (!trimesh_has_quality(s, a, b, c) || !is_wide(a, b, c) || !is_wide(b, c, a) || !is_wide(c, a, b)) return 0;
+int trimesh_is_stout(const trimesh *s, uint32_t norm2_most, trimesh_point a, trimesh_point b,
+                     trimesh_point c) {
+  if (!trimesh_has_quality(s, a, b, c)) return 0;
+  if (!is_wide(a, b, c) || !is_wide(b, c, a) || !is_wide(c, a, b)) return 0;
   const trimesh_weights weights = trimesh_weights_between(a, b, c);
   const trimesh_gram gram = trimesh_gram_of(&weights);
   return trimesh_gram_is_within(&gram, norm2_most);
@@ -86,8 +88,8 @@ static void place_axis(int32_t *x, int32_t *q, int8_t *r, uint32_t axis, const t
   q[p->vertex] = p->predicted[axis];
 }
 
-int trimesh_snap_plan(const fray_world *w, uint32_t vertex, uint32_t to, uint32_t fraction, uint32_t norm2_most,
-                      trimesh_snap *p) {
+int trimesh_snap_plan(const fray_world *w, uint32_t vertex, uint32_t to, uint32_t fraction,
+                      uint32_t norm2_most, trimesh_snap *p) {
   FRAY_ASSERT(vertex < w->p.count && to < w->p.count && fraction <= TRIMESH_WEIGHT_ONE);
   if (particle_is_attached(w, vertex) || particle_is_attached(w, to)) return 0;
   p->vertex = vertex;

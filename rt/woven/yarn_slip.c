@@ -168,8 +168,8 @@ static int32_t braking_part(const fray_world *w, const yarn_touch *touch) {
   return (int32_t)fx_divide_wide((uint64_t)(parting >> down) << 15, (uint32_t)(stops >> down));
 }
 
-/* Impulses of elastic yarns are in Q28 velocities of half a crossing: in whole position steps a tenth of a gap
- * is mostly rounding, which keeps cloth at rest moving by a millimetre a second. */
+/* Impulses of elastic yarns are in Q28 velocities of half a crossing: in whole position steps a tenth of a
+ * gap is mostly rounding, which keeps cloth at rest moving by a millimetre a second. */
 static unsigned impulse_bits(const fray_world *w) {
   return world_has_elastic_yarns(w) ? FX_SUB_BITS - 1u + yarn_slip_bits(w) : 0u;
 }
@@ -201,8 +201,8 @@ static void find_impulse(fray_world *w, const slip_gains *k, uint32_t n) {
   vec_store(t->quiet, vec_sub(asked, braking));
 }
 
-/* One component of a particle of projected yarns; `half` in half crossings x Q24 lu. What is no whole step of a whole one goes
- * to its velocity. */
+/* One component of a particle of projected yarns; `half` in half crossings x Q24 lu. What is no whole step of
+ * a whole one goes to its velocity. */
 static void push_axis(int32_t *x, int32_t *v, int32_t inverse_mass, int32_t unit, int32_t half) {
   const int32_t step = inverse_mass == 2 ? half : half / 2;
   const int32_t rest = inverse_mass == 2 ? half - step : half - 2 * step;
