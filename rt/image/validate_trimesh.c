@@ -169,14 +169,14 @@ static int cracks_good(const fray_world *w, fray_error *error) {
   if (!image_words_in_range(w->membrane.crack_constants, crack_ranges, CRACK_PARAM_WORDS, IMAGE_CRACK_PARAMS,
                             error))
     return 0;
-  if (c->begun < 0 || c->begun > 1 || c->tips < 0 || c->tips > CRACK_TIPS)
-    return image_bad(error, IMAGE_CRACK_STATE, 0, "0 or 1, and at most 32 tips");
+  if (c->tips < 0 || c->tips > CRACK_TIPS)
+    return image_bad(error, IMAGE_CRACK_STATE, 0, "at most 32 tips");
   for (uint32_t n = 0; n < CRACK_TIPS; ++n) {
     const crack_tip *tip = &c->tip[n];
     const uint32_t most = n < (uint32_t)c->tips ? 1u << 30 : 0;
     if (fx_magnitude(tip->way_u) > most || fx_magnitude(tip->way_v) > most || tip->vertex < 0 ||
         (most != 0 ? (uint32_t)tip->vertex >= w->p.count : tip->vertex != 0))
-      return image_bad(error, IMAGE_CRACK_STATE, 2u + 3u * n, "a vertex in use and a way within 1, or zeros");
+      return image_bad(error, IMAGE_CRACK_STATE, 1u + 3u * n, "a vertex in use and a way within 1, or zeros");
   }
   return 1;
 }

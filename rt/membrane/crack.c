@@ -233,7 +233,6 @@ static void begin_one(fray_world *w, uint32_t vertex, crack_way way) {
   crack_state *c = w->membrane.cracks;
   trimesh_step step;
   if (open_way(w, vertex, way, &step) != TRIMESH_DONE) return;
-  c->begun = 1;
   if (step.end_was_boundary) {
     remove_tips_at(c, step.end);
     return;

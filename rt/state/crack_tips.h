@@ -24,8 +24,7 @@ typedef struct {
 } crack_tip;
 
 typedef struct {
-  int32_t begun; /* 1: there has been a crack */
-  int32_t tips;  /* in use */
+  int32_t tips; /* in use */
   crack_tip tip[CRACK_TIPS];
 } crack_state;
 

@@ -35,8 +35,8 @@ typedef struct {
   int32_t velocity[3], remainder[3];
 } trimesh_snap;
 
-/* The way in the direction (du, dv) of rest coordinates, |du|, |dv| <= 2^30. TRIMESH_NO_PATH, or the pool
- * that has no room for a step of it. Cost: a one-ring. */
+/* The way in the direction (du, dv) of rest coordinates, |du|, |dv| <= 2^30; norm2_most: any, for
+ * trimesh_is_stout(). TRIMESH_NO_PATH, or the pool that has no room for a step of it. Cost: a one-ring. */
 trimesh_result trimesh_path_find(const fray_world *w, uint32_t vertex, int32_t du, int32_t dv,
                                  uint32_t norm2_most, trimesh_path *path);
 

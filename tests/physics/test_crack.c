@@ -247,7 +247,7 @@ static outcome run_strip(const strip *s) {
     const uint32_t tip = foremost(w, at);
     const int goes_on = w->trimesh.state->tear_cooldown[0] == 0;
     const uint32_t tips = (uint32_t)c->tips;
-    const int begun = c->begun;
+    const int begun = w->state->tears_total > 0;
     double critical = 0;
     if (goes_on && (begun == 0 || tips != 0)) {
       stress_average_begin(w);
@@ -398,7 +398,7 @@ static void a_saved_crack_goes_on(void) {
   uint32_t differ = 0, ticks = 0;
   slits_open(&f, "one", 0);
   while (f.w->trimesh.state->allocated < 12 && ++ticks < 400) (void)fixture_tick(&f, &fixture_idle);
-  CHECK(f.w->membrane.cracks->begun == 1 && f.w->membrane.cracks->tips > 0);
+  CHECK(f.w->state->tears_total > 0 && f.w->membrane.cracks->tips > 0);
   fixture_copy(&copy, &f);
   fray_set_kernel(copy.w, FRAY_KERNEL_SCALAR);
   for (uint32_t tick = 0; tick < 60; ++tick) {
@@ -454,8 +454,8 @@ static void bad_tips_are_refused(void) {
   static const struct {
     uint32_t section, word;
     int32_t value;
-  } cases[] = {{IMAGE_CRACK_PARAMS, 0, 0}, {IMAGE_CRACK_PARAMS, 1, 0}, {IMAGE_CRACK_PARAMS, 2, 2}, {IMAGE_CRACK_STATE, 0, 2},
-               {IMAGE_CRACK_STATE, 1, CRACK_TIPS + 1}, {IMAGE_CRACK_STATE, 2, 1}, {IMAGE_CRACK_STATE, 4, -1}};
+  } cases[] = {{IMAGE_CRACK_PARAMS, 0, 0}, {IMAGE_CRACK_PARAMS, 1, 0}, {IMAGE_CRACK_PARAMS, 2, 2}, {IMAGE_CRACK_STATE, 0, -1},
+               {IMAGE_CRACK_STATE, 0, CRACK_TIPS + 1}, {IMAGE_CRACK_STATE, 1, 1}, {IMAGE_CRACK_STATE, 3, -1}};
   fixture_scoped f = {0};
   slits_open(&f, "one", 0);
   for (uint32_t n = 0; n < sizeof cases / sizeof cases[0]; ++n) {
