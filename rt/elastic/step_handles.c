@@ -50,7 +50,7 @@ static void meter_axis_of_handle(fray_world *w, const coupled_axis *a) {
 }
 
 static void pull_axis(fray_world *w, uint32_t h, uint32_t n, int32_t gravity) {
-  const handle_params *k = &w->handles.params[h];
+  const handle_params *k = &w->handles.constants[h];
   handle_motion *m = &w->handles.motion[h];
   const uint32_t b = (uint32_t)k->body;
   int32_t *speed = &w->rigid.states[b].velocity[n];
@@ -96,14 +96,14 @@ void step_handles_begin(fray_world *w) {
 void step_handles_mark(fray_world *w) {
   FRAY_ASSERT(world_has_handles(w));
   for (uint32_t h = 0; h < FRAY_HANDS; ++h)
-    for (uint32_t n = 0; n < 3 && w->handles.params[h].body != HANDLE_NONE; ++n)
-      w->handles.motion[h].speed[n] = w->rigid.states[w->handles.params[h].body].velocity[n];
+    for (uint32_t n = 0; n < 3 && w->handles.constants[h].body != HANDLE_NONE; ++n)
+      w->handles.motion[h].speed[n] = w->rigid.states[w->handles.constants[h].body].velocity[n];
 }
 
 void step_handles_pull(fray_world *w, const elastic_step *step, int32_t part) {
   FRAY_ASSERT(world_has_handles(w) && step->part > 0);
   for (uint32_t h = 0; h < FRAY_HANDS; ++h)
-    if (w->handles.params[h].body != HANDLE_NONE) pull_handle(w, h, step, part);
+    if (w->handles.constants[h].body != HANDLE_NONE) pull_handle(w, h, step, part);
 }
 
 #endif

@@ -81,8 +81,8 @@ static uint32_t elastic_steps(const fray_world *w) {
 static int add_handle(const fray_world *w, uint32_t b, energy_stored *e) {
 #if FRAY_HANDLES
   const uint32_t h = (uint32_t)w->rigid.bodies[b].hand;
-  if (!world_has_handles(w) || (uint32_t)w->handles.params[h].body != b) return 0;
-  const handle_params *k = &w->handles.params[h];
+  if (!world_has_handles(w) || (uint32_t)w->handles.constants[h].body != b) return 0;
+  const handle_params *k = &w->handles.constants[h];
   const handle_motion *m = &w->handles.motion[h];
   const body_state *s = &w->rigid.states[b];
   for (uint32_t n = 0; n < 3; ++n) {

@@ -17,11 +17,11 @@
 #if FRAY_HANDLES
 
 static int has_handle(const fray_world *w, uint32_t h) {
-  return w->handles.params[h].body != HANDLE_NONE;
+  return w->handles.constants[h].body != HANDLE_NONE;
 }
 
 static void start_proxy(fray_world *w, uint32_t h) {
-  const handle_params *k = &w->handles.params[h];
+  const handle_params *k = &w->handles.constants[h];
   handle_state *s = &w->handles.states[h];
   hand_state *hand = &w->state->hand[h];
   for (uint32_t n = 0; n < 3; ++n) {
@@ -43,7 +43,7 @@ void handle_proxies_start(fray_world *w) {
  * steps, with 12 bits below, and their sum along an axis. */
 static int64_t way_from_anchor(const fray_world *w, uint32_t h, uint32_t n) {
   enum { LEAD_BITS = 12 };
-  const handle_params *k = &w->handles.params[h];
+  const handle_params *k = &w->handles.constants[h];
   const handle_state *s = &w->handles.states[h];
   const hand_state *hand = &w->state->hand[h];
   int64_t sum = 0;
@@ -98,7 +98,7 @@ static int32_t coupling_force(const params *p, int64_t impulse) {
 void handle_forces_find(fray_world *w) {
   FRAY_ASSERT(world_has_handles(w));
   for (uint32_t h = 0; h < FRAY_HANDS; ++h) {
-    const handle_params *k = &w->handles.params[h];
+    const handle_params *k = &w->handles.constants[h];
     if (!has_handle(w, h)) continue;
     int32_t force[3];
     for (uint32_t n = 0; n < 3; ++n)

@@ -29,7 +29,7 @@ static int64_t count_energy(int32_t words[2], int64_t by) {
 /* The way of a hand in this tick; counts its work. Returns what it will have been given a tick
  * later, less the reserve. */
 static int64_t meter_hand(fray_world *w, uint32_t h, const int32_t force[3], int32_t moved[3]) {
-  const handle_params *k = &w->handles.params[h];
+  const handle_params *k = &w->handles.constants[h];
   handle_state *s = &w->handles.states[h];
   for (uint32_t n = 0; n < 3; ++n) {
     moved[n] = w->state->hand[h].pose[n] - s->before[n];
@@ -57,7 +57,7 @@ void passivity_control(fray_world *w, int32_t force[FRAY_HANDS][3]) {
   int64_t over = 0;
   int64_t squared = 0;
   for (uint32_t h = 0; h < FRAY_HANDS; ++h) {
-    if (w->handles.params[h].body == HANDLE_NONE) continue;
+    if (w->handles.constants[h].body == HANDLE_NONE) continue;
     over += meter_hand(w, h, force[h], moved[h]);
     squared += work_of(moved[h], moved[h]);
   }

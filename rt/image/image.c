@@ -116,8 +116,8 @@ static void derive_pools(uint32_t capacity[POOLS]) {
   const uint32_t tiles = capacity[POOL_TRIANGLE_PAIRS] != 0 ? across * across : 0;
   capacity[POOL_PATCHES] = tiles;
   capacity[POOL_PATCH_PAIRS] = tiles != 0 ? tiles * (tiles - 1u) / 2u : 0;
-  const int has_spares = capacity[POOL_SPLITS] != 0 && capacity[POOL_PARTICLES] > capacity[POOL_CROSSINGS];
-  capacity[POOL_YARN_CONTACTS] = has_spares ? capacity[POOL_PARTICLES] - capacity[POOL_CROSSINGS] : 0;
+  const int64_t spares = (int64_t)capacity[POOL_PARTICLES] - capacity[POOL_CROSSINGS];
+  capacity[POOL_YARN_CONTACTS] = capacity[POOL_SPLITS] != 0 && spares > 0 ? (uint32_t)spares : 0;
 }
 
 size_t image_blank(const uint32_t said[POOLS], void *memory, fray_world **world) {

@@ -126,7 +126,7 @@ const image_array image_arrays[] = {
 #endif
 #if FRAY_HANDLES
     {"handles", IMAGE_HANDLE_PARAMS, ROLE_CONSTANT, KIND_WORD, POOL_HANDLES, POOL_HANDLES, HANDLE_PARAM_WORDS,
-     AT(handles.params)},
+     AT(handles.constants)},
     {"handle_states", IMAGE_HANDLE_STATES, ROLE_STATE, KIND_WORD, POOL_HANDLES, POOL_HANDLES,
      HANDLE_STATE_WORDS, AT(handles.states)},
     {"handle_motion", 0, ROLE_TICK, KIND_STRUCT, POOL_HANDLES, POOL_HANDLES, sizeof(handle_motion),

@@ -21,7 +21,7 @@ static int handle_bears(const fray_world *w, const handle_params *k) {
 int handles_validate(const fray_world *w, int32_t *hands, fray_error *error) {
   *hands = 0;
   for (uint32_t h = 0; h < FRAY_HANDS; ++h) {
-    const handle_params *k = &w->handles.params[h];
+    const handle_params *k = &w->handles.constants[h];
     if (!image_words_in_range(k, handle_params_ranges, HANDLE_PARAM_WORDS, IMAGE_HANDLE_PARAMS,
                               error) ||
         !image_words_in_range(&w->handles.states[h], handle_state_ranges, HANDLE_STATE_WORDS,

@@ -137,9 +137,9 @@ fray_body fray_view_body(const fray_world *w, uint32_t b) {
 int fray_view_handle(const fray_world *w, uint32_t hand, fray_handle *view) {
   FRAY_ASSERT(w != NULL && hand < FRAY_HANDS && view != NULL);
 #if FRAY_HANDLES
-  if (world_has_handles(w) && w->handles.params[hand].body != HANDLE_NONE) {
+  if (world_has_handles(w) && w->handles.constants[hand].body != HANDLE_NONE) {
     const handle_state *s = &w->handles.states[hand];
-    view->body = (uint32_t)w->handles.params[hand].body;
+    view->body = (uint32_t)w->handles.constants[hand].body;
     for (uint32_t n = 0; n < 3; ++n) view->proxy[n] = s->proxy[n];
     view->given_nj = (int64_t)state_pair(s->given);
     view->given_most_nj = (int64_t)state_pair(s->most);

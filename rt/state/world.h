@@ -234,7 +234,7 @@ typedef struct {
 #if FRAY_HANDLES
 /* Handles, by hand. Writers: haptics/, and elastic/step_handles.c in steps. */
 typedef struct {
-  const handle_params *params;
+  const handle_params *constants;
   handle_state *states;
   handle_motion *motion;           /* of one tick */
 } handle_table;

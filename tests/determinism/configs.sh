@@ -49,7 +49,7 @@ config_bare() {
   # 16 KiB of RAM, 2 of them the stack, too few for membranes: one image is saved, once, and its world runs from there
   if [ "$1" = microbit ]; then
     CASES=tiny RESTORED=once
-    LIMITS="-DFRAY_TRIANGLES=0 -DREPLAY_MEMORY=5760 -DREPLAY_SAVED=7424 -DREPLAY_SAVED_IMAGES=1"
+    LIMITS="-DFRAY_TRIANGLES=0 -DREPLAY_MEMORY=6144 -DREPLAY_SAVED=7424 -DREPLAY_SAVED_IMAGES=1"
     EXTRA="$EXTRA -DFRAY_TRIANGLES=0"
   fi
 }

@@ -65,7 +65,7 @@ link_program() {
   # shellcheck disable=SC2086
   if [ "$IS_BARE" = yes ]; then
     sh tests/target/target.sh build "${1%%-*}" "$OPT" "$3" $LIMITS "tests/determinism/$2.c" "$table" \
-      tests/target/port_bare.c "$library" -Wl,-Map="$3.map" -Wl,--defsym=code_max=320K # all of rt, at -O0 too
+      tests/target/port_bare.c "$library" -Wl,-Map="$3.map" -Wl,--defsym=code_max=512K # all of rt, at -O0 too
   else
     $CC -std=c11 -Wall -Wextra -Werror -I. $OPT $EXTRA $LIMITS "tests/determinism/$2.c" "$table" \
       tests/determinism/port_stdio.c "$library" -o "$3"

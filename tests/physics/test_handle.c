@@ -290,7 +290,7 @@ static void a_coupling_that_steps_cannot_bear_is_refused(void) {
   CHECK(fixture_compile(&stiff, "test", text, &error) == 0);
   CHECK(strstr(error.message, "with this mass and") != NULL);
   held_cloth_open(&f, 1000, "", "", "");
-  handle_params *k = (handle_params *)(uintptr_t)f.w->handles.params;
+  handle_params *k = (handle_params *)(uintptr_t)f.w->handles.constants;
   fray_error refused = {FRAY_OK, 0, 0, ""};
   const handle_params good = k[0];
   k[0].spring = INT32_MAX;

@@ -97,6 +97,7 @@ prove 'image: any bytes with meshes, and saved again' meshes eva_image loads_mes
 prove 'image: any bytes with self-collision, saved again' selves eva_image loads_yarn_collision gcc_x86_64 ''
 prove 'image: any bytes with triangles that meet each other, saved again' layers eva_image loads_triangle_collision gcc_x86_64 ''
 prove 'image: any bytes with blades, and saved again' blades eva_image loads_blades gcc_x86_64 ''
+prove 'image: any bytes with handles, and saved again' handles eva_image loads_handles gcc_x86_64 ''
 prove 'world: any scalars' counts eva_validate counts gcc_x86_64 "$small"
 prove 'world: any values, 2 x 2' worlds22 eva_validate worlds gcc_x86_64 "$small"
 prove 'world: any values, 2 x 4' worlds24 eva_validate worlds gcc_x86_64 "$long"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The loader up to the point where a world stands in memory; what checks its values is in
  * eva_validate.c. headers(): any bytes, any capacities, any length. loads(): capacities of one
- * shape, plain, with rigid meshes, with blades, with self-collision of both kinds, everything else
+ * shape, plain, with rigid meshes, blades, handles, self-collision of both kinds, everything else
  * arbitrary; image and memory end where they must. */
 #include "rt/image/image.c"
 #include "rt/image/image_table.c"
@@ -21,13 +21,17 @@ static const uint32_t selves[POOLS] = {
     [POOL_YARN_PAIRS] = PAIRS};
 static const uint32_t layers[POOLS] = {
     1, 1, PARTICLES, HELD, CROSSINGS, ROWS, BATCHES, CLASSES, CLASSES, BODIES, KEYS, CONTACTS, CUTS,
-    [POOL_TRIANGLE_PAIRS] = PAIRS, [POOL_PATCHES] = 1};
+    [POOL_TRIANGLE_PAIRS] = PAIRS};
 static const uint32_t blades[POOLS] = {
     1, 1, PARTICLES, HELD, CROSSINGS, ROWS, BATCHES, CLASSES, CLASSES, BODIES, KEYS, CONTACTS, CUTS,
     [POOL_RIGID_MESH_WORDS] = RIGID_MESH_WORDS, [POOL_BLADES] = 1};
 
+static const uint32_t handles[POOLS] = {
+    1, 1, PARTICLES, HELD, CROSSINGS, ROWS, BATCHES, CLASSES, CLASSES, BODIES, KEYS, CONTACTS, CUTS,
+    [POOL_HANDLES] = FRAY_HANDS};
+
 /* Words of 64 bits, so that both are aligned. */
-enum { IMAGE_ROOM = 2048, MEMORY_ROOM = 8192 };
+enum { IMAGE_ROOM = 4096, MEMORY_ROOM = 16384 };
 static uint64_t image_room[IMAGE_ROOM / 8];
 static uint64_t memory_room[MEMORY_ROOM / 8];
 #define IMAGE_AT(bytes) ((uint8_t *)image_room + IMAGE_ROOM - (bytes))
@@ -61,10 +65,11 @@ void directories(void) {
   (void)check_directory(image, capacity, &error);
 }
 
-/* What says the shape: the header's capacities. */
+/* What says the shape: the header's capacities and features. */
 static void store_shape(uint8_t *image, const uint32_t shape[POOLS]) {
   for (uint32_t p = 0; p < POOLS_IN_HEADER; ++p)
     bytes_store32(image + 4u * (IMAGE_CAPACITY_WORD + p), shape[p]);
+  bytes_store32(image + 4u * IMAGE_FEATURES_WORD, features_of(shape));
 }
 
 static void load(const uint32_t shape[POOLS], size_t image_bytes, size_t memory_bytes) {
@@ -80,7 +85,10 @@ static void load(const uint32_t shape[POOLS], size_t image_bytes, size_t memory_
   (void)fray_save(world, image, fray_save_bytes(world));
 }
 
-static void loads_of(const uint32_t shape[POOLS]) {
+static void loads_of(const uint32_t said[POOLS]) {
+  uint32_t shape[POOLS];
+  for (uint32_t p = 0; p < POOLS; ++p) shape[p] = said[p];
+  derive_pools(shape);
   const size_t length = image_length(shape);
   load(shape, length, plan_bytes(shape, 0));
   load(shape, length, plan_bytes(shape, 1));
@@ -93,3 +101,4 @@ void loads_meshes(void) { loads_of(meshes); }
 void loads_yarn_collision(void) { loads_of(selves); }
 void loads_triangle_collision(void) { loads_of(layers); }
 void loads_blades(void) { loads_of(blades); }
+void loads_handles(void) { loads_of(handles); }

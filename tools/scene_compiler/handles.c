@@ -71,7 +71,7 @@ static int place_device(const draft *d, const scene_body *b, uint32_t block, han
 
 int draft_handles(const draft *d, fray_world *w) {
   for (uint32_t h = 0; h < FRAY_HANDS; ++h) {
-    handle_params *k = &WRITABLE(handle_params, w->handles.params)[h];
+    handle_params *k = &WRITABLE(handle_params, w->handles.constants)[h];
     uint32_t n = 0;
     const scene_body *b = handle_of(d, h, &n);
     k->body = b != NULL ? (int32_t)n : HANDLE_NONE;
