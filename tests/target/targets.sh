@@ -32,16 +32,13 @@ extra_of() { # MACHINE
   esac
 }
 
-# Armv6-M and A32 take more bytes for the same; for speed they would not fit in 64 KiB. With Helium's kernels
-# beside the scalar code nothing does.
+# Armv6-M and A32 take more bytes for the same, and the M55 has Helium's kernels beside the scalar code: for speed
+# they would not fit in 64 KiB.
 opt_of() { # MACHINE
   case $1 in
     m0 | microbit | m55 | r5f) echo -Os ;;
     *) echo -O2 ;;
   esac
-}
-budget_of() { # MACHINE
-  if [ "$1" = m55 ]; then echo -Wl,--defsym=code_max=96K; fi
 }
 
 keep_same() { # NEW FILE: so that nothing is built again where nothing changed
@@ -74,7 +71,7 @@ objects() {
 build() { # NAME MACHINE WORLD IMAGE TAPE: $work/NAME-MACHINE.elf
   objects "$2" platform/loop.c platform/playback/player.c "$4" "$5" || return 1
   # shellcheck disable=SC2046,SC2086
-  $target firmware "$2" "$(opt_of "$2")" "$work/$1-$2.elf" tests/target/firmware.c $(extra_of "$2") $(budget_of "$2") \
+  $target firmware "$2" "$(opt_of "$2")" "$work/$1-$2.elf" tests/target/firmware.c $(extra_of "$2") \
     -DFIRMWARE_WORLD="$3" $built "$work/$2/libfray.a" -Wl,-Map="$work/$1-$2.map"
 }
 
