@@ -7,6 +7,6 @@
 
 #include <stdint.h>
 
-#define PHYSICS_ID UINT32_C(0x319EB8D7)
+#define PHYSICS_ID UINT32_C(0xECAACD88)
 
 #endif

@@ -14,7 +14,7 @@ mode=${1:-short}
 work=$FRAY_BUILD/cross/replay
 golden=tests/golden
 id_header=rt/image/physics_id.h
-cases="small torn bodies matrix8 mirror8 auto_steps twill16 satin24 frayed allyarn stretched membrane_tear meshes contact_triangles blade_cut yarn_collision triangle_collision"
+cases="small torn bodies matrix8 mirror8 auto_steps twill16 satin24 frayed allyarn stretched membrane_tear meshes contact_triangles blade_cut yarn_collision triangle_collision cracked"
 tiny="small matrix8 mirror8" # what 16 KiB of RAM hold
 mkdir -p "$work"
 
@@ -23,7 +23,7 @@ case_ticks() {
   case $1 in
     small) echo 800 ;; torn) echo 1050 ;; bodies) echo 600 ;; # frozen
     matrix8) echo 400 ;; mirror8 | auto_steps) echo 60 ;; twill16) echo 500 ;; satin24) echo 300 ;;
-    frayed) echo 300 ;; allyarn) echo 150 ;; stretched) echo 250 ;; membrane_tear) echo 250 ;; meshes) echo 200 ;; contact_triangles | yarn_collision) echo 150 ;; blade_cut) echo 120 ;; triangle_collision) echo 300 ;;
+    frayed | cracked) echo 300 ;; allyarn) echo 150 ;; stretched) echo 250 ;; membrane_tear) echo 250 ;; meshes) echo 200 ;; contact_triangles | yarn_collision) echo 150 ;; blade_cut) echo 120 ;; triangle_collision) echo 300 ;;
   esac
 }
 

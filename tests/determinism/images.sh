@@ -12,7 +12,7 @@ golden=tests/golden/images.txt
 scenes="tests/scenes/small.scene tests/determinism/torn.scene tests/determinism/bodies.scene tests/determinism/auto_steps.scene
   tests/determinism/matrix8.scene tests/determinism/mirror8.scene tests/determinism/twill16.scene tests/determinism/satin24.scene
   tests/determinism/frayed.scene tests/determinism/allyarn.scene tests/determinism/stretched.scene tests/determinism/membrane_tear.scene tests/determinism/meshes.scene tests/determinism/contact_triangles.scene tests/determinism/blade_cut.scene
-  tests/determinism/yarn_collision.scene tests/determinism/triangle_collision.scene"
+  tests/determinism/yarn_collision.scene tests/determinism/triangle_collision.scene tests/determinism/cracked.scene"
 list="gcc-id16 clang-O3 s390x-O2"
 mode=${1:-short}
 [ $# -eq 0 ] || shift
