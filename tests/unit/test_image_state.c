@@ -7,7 +7,7 @@
 #include "tests/lib/test.h"
 #include "tests/lib/world_fixture.h"
 
-enum { IN_STATE = 2, IN_LINKS = 3, IN_X = 12, IN_VX = 15, IN_AREA = 39, IN_MATERIALS = 45, IN_MEMBRANE = 46,
+enum { IN_PARAMS = 1, IN_STATE = 2, IN_LINKS = 3, IN_X = 12, IN_VX = 15, IN_BODY_STATES = 26, IN_AREA = 39, IN_MATERIALS = 45, IN_MEMBRANE = 46,
        IN_SMOOTHED_STRAINS = 47, TICKS = 60, WORK_MAX = 1 << 24 };
 
 static void patch(fixture *f, uint32_t section, uint32_t word, int32_t value) {
@@ -107,6 +107,28 @@ static void energies_of_handles_saturate(void) {
       const int64_t sum = (int64_t)state_pair(f.w->handles.states[h].given);
       CHECK(sum >= -(INT64_MAX / 4) && sum <= INT64_MAX / 4 && (sum < 0) == (given[n] < 0));
     }
+  }
+}
+
+/* A force of many steps for a unit of impulse. */
+static void forces_of_handles_with_every_shift(void) {
+  for (int32_t shift = 1; shift <= 62; shift += shift < 12 ? 1 : 10) {
+    fixture_scoped f = {0};
+    fixture_file(&f, "tests/fuzz/tiny/two_handles.seed", NULL);
+    patch(&f, IN_PARAMS, offsetof(params, force_shift) / 4, shift);
+    patch(&f, IN_PARAMS, offsetof(params, force_gain) / 4, 1 << 23);
+    check_runs(&f);
+  }
+}
+
+/* Its path of a tick ends in the world, as those of the vertices do. */
+static void a_free_blade_as_fast_as_a_word_says(void) {
+  for (uint32_t n = 0; n < 6; ++n) {
+    fixture_scoped f = {0};
+    fixture_file(&f, "tests/fuzz/tiny/held_blade.seed", NULL);
+    patch(&f, IN_PARAMS, offsetof(params, substeps) / 4, 64);
+    patch(&f, IN_BODY_STATES, (uint32_t)(offsetof(body_state, velocity) / 4) + n % 3, n < 3 ? INT32_MAX : -INT32_MAX);
+    check_runs(&f);
   }
 }
 
@@ -293,6 +315,8 @@ int main(void) {
   TEST(classes_of_a_shear_lock);
   TEST(stiffness_beyond_its_type);
   TEST(energies_of_handles_saturate);
+  TEST(forces_of_handles_with_every_shift);
+  TEST(a_free_blade_as_fast_as_a_word_says);
   TEST(isotropic_sheets_at_their_limits);
   TEST(places_at_the_edge_with_self_collision);
   TEST(gales);
