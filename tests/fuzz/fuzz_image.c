@@ -31,7 +31,7 @@ size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t bytes, size_t room, unsigne
     damaged = base->bytes;
     memcpy(data, base->image, damaged);
   }
-  damage_fields(data, damaged, seed);
+  damage_fields(data, damaged, (uint32_t)splitmix64(&draws)); /* which field does not go by which base */
   return damaged;
 }
 
