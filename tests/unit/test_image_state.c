@@ -161,6 +161,18 @@ static void places_at_the_edge_with_self_collision(void) {
     }
 }
 
+static void yarns_at_the_edge(void) {
+  for (uint32_t seed = 0; seed < 16; ++seed) {
+    fixture_scoped f = {0};
+    uint64_t draws = seed;
+    fixture_file(&f, "tests/fuzz/tiny/all_yarn.seed", NULL);
+    for (uint32_t axis = 0; axis < 3; ++axis)
+      for (uint32_t p = 0; p < f.w->capacity[POOL_PARTICLES]; ++p)
+        patch(&f, IN_X + axis, p, hostile_draw(&draws, 2) != 0 ? 62 * FX_LU : -62 * FX_LU);
+    check_runs(&f);
+  }
+}
+
 /* Triangles as large as they count, at speeds that no air has. */
 static void gales(void) {
   for (uint32_t seed = 0; seed < 16; ++seed) {
@@ -319,6 +331,7 @@ int main(void) {
   TEST(a_free_blade_as_fast_as_a_word_says);
   TEST(isotropic_sheets_at_their_limits);
   TEST(places_at_the_edge_with_self_collision);
+  TEST(yarns_at_the_edge);
   TEST(gales);
   TEST(triangles_that_have_hardly_any_area);
   TEST(counts_of_tears_saturate);
