@@ -18,10 +18,11 @@ static int64_t work_of(const int32_t force[3], const int32_t moved[3]) {
   return sum;
 }
 
-/* Saturates: a session of years counts. */
+/* Saturates: a session of years counts. So does what an image says, and the sum of both hands fits. */
 static int64_t count_energy(int32_t words[2], int64_t by) {
-  const int64_t bound = INT64_MAX / 2;
-  const int64_t sum = fx_clamp64((int64_t)state_pair(words) + by, -bound, bound);
+  const int64_t bound = INT64_MAX / 4;
+  const int64_t before = fx_clamp64((int64_t)state_pair(words), -bound, bound);
+  const int64_t sum = fx_clamp64(before + by, -bound, bound);
   state_set_pair(words, (uint64_t)sum);
   return sum;
 }

@@ -34,7 +34,8 @@ static int is_isotropic(const material_table *f) {
   for (uint32_t r = 0; r < MATERIAL_ROWS; ++r)
     for (uint32_t e = 0; e < MATERIAL_ENTRIES; ++e)
       if (f->stretch[r][e] != c[e]) return 0;
-  return c[0] == c[2] && fx_magnitude(fx_sub(c[0], c[1]) - 2 * c[3]) <= 2u;
+  const int64_t off = (int64_t)c[0] - c[1] - 2 * (int64_t)c[3]; /* no range is checked yet */
+  return c[0] == c[2] && off >= -2 && off <= 2;
 }
 
 static int materials_good(const fray_world *w, fray_error *error) {

@@ -64,7 +64,7 @@ static ccd_path tick_path(const fray_world *w, const collider *blade, uint32_t p
   return path;
 }
 
-/* On its path of the whole tick; that of a free body is predicted. */
+/* On its path of the whole tick; that of a free body is predicted, and ends in the world. */
 static collider blade_at(const fray_world *w, uint32_t n) {
   FRAY_ASSERT(n < collider_count(w));
   collider blade = collider_at(w, n);
@@ -74,9 +74,8 @@ static collider blade_at(const fray_world *w, uint32_t n) {
   blade.start = m->from;
   blade.now = m->to;
   if (w->rigid.bodies[blade.body].motion == FRAY_FREE)
-    blade.now = vec_make(fx_saturate(m->from.x + fx_asr64(fx_mul_wide(v[0], substeps), FX_SUB_BITS)),
-                         fx_saturate(m->from.y + fx_asr64(fx_mul_wide(v[1], substeps), FX_SUB_BITS)),
-                         fx_saturate(m->from.z + fx_asr64(fx_mul_wide(v[2], substeps), FX_SUB_BITS)));
+    blade.now = vec_make(predict(m->from.x, v[0], substeps), predict(m->from.y, v[1], substeps),
+                         predict(m->from.z, v[2], substeps));
   return blade;
 }
 

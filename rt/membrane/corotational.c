@@ -24,12 +24,10 @@ typedef struct {
 } pressed_strain;
 
 static pressed_strain pressed_strain_of(int32_t g) {
-  pressed_strain k = {2 * g + STRAIN_ONE / 4, 2 * STRAIN_ONE};
-  if (g <= PRESSED_STRAIN) return k;
+  if (g <= PRESSED_STRAIN) return (pressed_strain){2 * g + STRAIN_ONE / 4, 2 * STRAIN_ONE};
   const uint64_t squared = (uint64_t)((int64_t)STRAIN_ONE + 2 * (int64_t)g) << STRAIN_BITS;
   const fx_root root = fx_rsqrt(squared, FX_ROOT_FINE);
-  k.counted = (int32_t)((int64_t)fx_root_length(root) - STRAIN_ONE);
-  k.slope = inverse_root(root);
+  const pressed_strain k = {(int32_t)((int64_t)fx_root_length(root) - STRAIN_ONE), inverse_root(root)};
   return k;
 }
 

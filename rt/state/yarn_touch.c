@@ -2,8 +2,12 @@
 #include "rt/state/yarn_touch.h"
 
 vec3 yarn_touch_gap(const yarn_touch *touch, const yarn_contact *c) {
-  const vec3 apart = vec_sub(touch->spot[FRAY_WARP].at, touch->spot[FRAY_WEFT].at);
-  return vec_sub(vec_clamp(apart, YARN_GAP_MAX), vec_of(c->offset));
+  const vec3 warp = touch->spot[FRAY_WARP].at; /* curves leave the world by a little: the difference is wide */
+  const vec3 weft = touch->spot[FRAY_WEFT].at;
+  const vec3 apart = vec_make(fx_clamp_wide((int64_t)warp.x - weft.x, YARN_GAP_MAX),
+                              fx_clamp_wide((int64_t)warp.y - weft.y, YARN_GAP_MAX),
+                              fx_clamp_wide((int64_t)warp.z - weft.z, YARN_GAP_MAX));
+  return vec_sub(apart, vec_of(c->offset));
 }
 
 int yarn_touch_at(const fray_world *w, uint32_t n, yarn_touch *touch) {

@@ -35,17 +35,33 @@ static inline word_range damage_body_state_range(uint32_t n) {
   return n < 3 ? place : n < 6 ? remainder : n < 9 ? any : fraction;
 }
 
+static inline word_range damage_tip_range(uint32_t n) {
+  const word_range tips = {0, CRACK_TIPS}, vertex = {0, 16}, way = {-(1 << 30), 1 << 30};
+  return n == 0 ? tips : n % 3 == 1 ? vertex : way;
+}
+static inline word_range damage_bend_range(uint32_t n) {
+  const word_range offset = {-BEND_OFFSET_MAX, BEND_OFFSET_MAX}, habit = {0, BEND_HABIT_MAX};
+  return n < 3 ? offset : habit;
+}
+static inline word_range damage_yarn_contact_range(uint32_t n) {
+  const word_range place = {0, 8 << YARN_PLACE_BITS}, offset = {-YARN_OFFSET_MAX, YARN_OFFSET_MAX},
+                   grip = {0, YARN_PRESSED_MAX << 2 | 3};
+  return n < 2 ? place : n < 5 ? offset : grip;
+}
+
 /* Words with a range of their own; other words may be anything. */
 static inline word_range damage_range(uint32_t id, uint32_t n) {
 #define X(name, least, most) {least, most},
   static const word_range params_words[] = {PARAMS(X)}, state_words[] = {STATE(X)}, yarn_words[] = {YARN_PARAMS(X)},
                           elastic_words[] = {YARN_ELASTIC_PARAMS(X)}, self_words[] = {SELF_PARAMS(X)},
                           mesh_words[] = {TRIMESH_PARAMS(X)}, mesh_state_words[] = {TRIMESH_STATE(X)},
-                          membrane_words[] = {MEMBRANE_PARAMS(X)}, strength_words[] = {TEAR_STRENGTHS(X)};
+                          membrane_words[] = {MEMBRANE_PARAMS(X)}, strength_words[] = {TEAR_STRENGTHS(X)},
+                          crack_words[] = {CRACK_PARAMS(X)}, handle_words[] = {HANDLE_PARAMS(X)},
+                          handle_state_words[] = {HANDLE_STATE(X)};
 #undef X
   const word_range place = {-62 * FX_LU, 62 * FX_LU}, speed = {-FX_SPEED_MAX, FX_SPEED_MAX},
                    grip = {-FX_WORLD_MAX, FX_WORLD_MAX}, rest = {-32 * FX_LU, 32 * FX_LU}, area = {1, TRIMESH_AREA_MAX - 1},
-                   strain = {-STRAIN_MAX, STRAIN_MAX}, stiff = {0, MATERIAL_STIFF_MAX}, any = {INT32_MIN, INT32_MAX};
+                   strain = {-STRAIN_MAX, STRAIN_MAX}, stiff = {0, MATERIAL_STIFF_MAX}, cuts = {1, MAX_BREAKS}, blade = {BLADE_NEVER, BLADE_SPEED_MAX}, any = {INT32_MIN, INT32_MAX};
   switch (id) {
     case 1: return params_words[n % PARAM_WORDS];
     case 2: return state_words[n % STATE_WORDS];
@@ -66,6 +82,13 @@ static inline word_range damage_range(uint32_t id, uint32_t n) {
     case 47: return strain;
     case 48: return strength_words[n % TEAR_STRENGTH_WORDS];
     case IMAGE_YARN_COLLISION: case IMAGE_TRIANGLE_COLLISION: return self_words[n % SELF_PARAM_WORDS];
+    case IMAGE_BLADES: return n == 0 ? cuts : blade;
+    case IMAGE_BEND_STATES: return damage_bend_range(n % BEND_STATE_WORDS);
+    case IMAGE_YARN_CONTACTS: return damage_yarn_contact_range(n % YARN_CONTACT_WORDS);
+    case IMAGE_CRACK_PARAMS: return crack_words[n % CRACK_PARAM_WORDS];
+    case IMAGE_CRACK_STATE: return damage_tip_range(n);
+    case IMAGE_HANDLE_PARAMS: return handle_words[n % HANDLE_PARAM_WORDS];
+    case IMAGE_HANDLE_STATES: return handle_state_words[n % HANDLE_STATE_WORDS];
     default: return any;
   }
 }
@@ -98,6 +121,8 @@ static inline void damage_element(uint8_t *image, const damage_section *s, uint3
   const uint32_t now = damage_load(at, s->bytes);
   const uint32_t other = damage_load(image + s->at + damage_below(s->count) * s->bytes, s->bytes);
   uint32_t to = damage_below(3) == 0 ? other : now ^ 1u << damage_below(8 * s->bytes);
+  /* bytes are small numbers: remainders of -8 to 8, bodies, materials, marks */
+  if (s->bytes == 1 && damage_below(2) == 0) to = damage_below(17) - 8u;
   if (s->bytes == 4 && damage_below(8) != 0) to = (uint32_t)damage_word(damage_range(s->id, n), (int32_t)now);
   if (s->bytes == 1) *at = (uint8_t)to;
   else if (s->bytes == 2) bytes_store16(at, (uint16_t)to);

@@ -13,9 +13,13 @@ work=$FRAY_BUILD/fuzz jobs=1
 rm -rf "$work/seeds"
 mkdir -p "$work/seeds/image" "$work/seeds/candump" "$work/seeds/scene" "$work/seeds/obj"
 
-# worlds of every kind, small, so that 200 ticks take milliseconds: at tick 0, and torn
-for path in tests/fuzz/seeds/*.scene; do
-  name=$(basename "$path" .scene)
+# worlds of every kind, at tick 0, and torn: as small as a feature allows, so that 200 ticks take milliseconds; and
+# longer ones, which are taken rarely
+for path in tests/fuzz/tiny/*.seed tests/fuzz/seeds/*.scene; do
+  case $path in
+    *.seed) name=$(basename "$path" .seed) ;;
+    *) name=long_$(basename "$path" .scene) ;;
+  esac
   "$FRAY" scene "$path" -o "$work/seeds/image/$name.img" >/dev/null
   "$FRAY" run "$path" --ticks 40 --save "$work/seeds/image/${name}_torn.img" >/dev/null
 done
@@ -31,7 +35,7 @@ printf '%s\n' "  can0  123   [8]  11 22 33 44 55 66 77 88" " (1.000000)  can0  R
   "(2.000000)  can0  12345678   [4]  remote request" "  can0  123   [2]  41 5D   'A]'" \
   "  can0  20000004   [8]  00 00 00 00 00 00 00 00   ERRORFRAME" >"$work/seeds/candump/columns.log"
 cp tests/scenes/*.scene tests/scenes/*.hand tests/determinism/*.scene tests/determinism/*.hand "$work/seeds/scene/"
-for path in tests/fuzz/seeds/*.scene; do cp "$path" "$work/seeds/scene/small_$(basename "$path")"; done
+for path in tests/fuzz/seeds/*.scene tests/fuzz/tiny/*.seed; do cp "$path" "$work/seeds/scene/small_$(basename "$path")"; done
 cp tests/scenes/meshes/*.obj "$work/seeds/obj/"
 
 # with clang and its fuzzer, or with any compiler and our driver
@@ -61,7 +65,8 @@ feed() {
 }
 
 for name; do
-  limits="-timeout=60 -report_slow_units=60 -rss_limit_mb=2048 -max_len=40000 -artifact_prefix=$work/crash_$name-"
+  # entropic: a schedule of the corpus that takes a tenth of the time and more as it grows; fuzz_image has its own
+  limits="-entropic=0 -timeout=60 -report_slow_units=60 -rss_limit_mb=2048 -max_len=40000 -artifact_prefix=$work/crash_$name-"
   # shellcheck disable=SC2086
   $CC -std=gnu11 -O1 -g -I. $flags $link "tests/fuzz/fuzz_$name.c" $driver "$work/$CC/libtools.a" \
     "$work/$CC/libfray.a" -lm -o "$work/fuzz_$name"

@@ -1,44 +1,37 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The image loader: any bytes, their CRC and the hashes of topology and state put right, are refused with a reason,
- * or are a world that runs 20 ticks of hostile poses, one of ten 200, and can be saved, opened again and run to the
- * same hashes. */
+/* The image loader: any bytes, their CRC and the hashes of topology and state put right, are refused with a reason, or
+ * are a world that runs 200 ticks of hostile poses, or fewer where they are more work than RUN_WORK_MAX, and can be
+ * saved, opened again and run to the same hashes. */
 #include <stdint.h>
 
+#include "tests/fuzz/bases.h"
 #include "tests/fuzz/damage_fields.h"
 #include "tests/fuzz/run_image.h"
 #include "tests/lib/image_mend.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes);
+int LLVMFuzzerInitialize(int *argc, char ***argv);
 size_t LLVMFuzzerMutate(uint8_t *data, size_t bytes, size_t room);
 size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t bytes, size_t room, unsigned seed);
 
-enum { MEMORY_MAX = 1 << 22, ANYWHERE = 8, SHORT = 20, LONG = 10, KINDS = 8, OF_A_KIND = 64, KEPT = KINDS * OF_A_KIND };
+enum { MEMORY_MAX = 1 << 22, ANYWHERE = 8, LONG_ONE_IN = 32 };
 
-/* Images that were accepted, as many of each kind, which the minor version says: what is damaged next. libFuzzer's
- * corpus is mostly images that were refused, each in another way, and what is damaged twice is refused again. */
-static struct {
-  uint8_t *image;
-  size_t bytes;
-} kept[KEPT];
-
-static void keep(const uint8_t *image, size_t bytes, uint32_t draw) {
-  const uint32_t slot = draw % OF_A_KIND * KINDS + bytes_load32(image + 4 * IMAGE_VERSION_WORD) % KINDS;
-  free(kept[slot].image);
-  kept[slot].image = malloc(bytes);
-  kept[slot].bytes = bytes;
-  if (kept[slot].image == NULL) hostile_fail("no memory");
-  memcpy(kept[slot].image, image, bytes);
+/* Seeds lie in the last folder that libFuzzer was given. */
+int LLVMFuzzerInitialize(int *argc, char ***argv) {
+  if (*argc > 1) bases_read((*argv)[*argc - 1]);
+  return 0;
 }
 
 size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t bytes, size_t room, unsigned seed) {
-  const uint32_t slot = seed / ANYWHERE % KEPT;
-  if (seed % ANYWHERE == 0) return LLVMFuzzerMutate(data, bytes, room);
+  uint64_t draws = seed;
+  if (bases_below(ANYWHERE, &draws) == 0) return LLVMFuzzerMutate(data, bytes, room);
   size_t damaged = bytes;
-  if (kept[slot].image != NULL && kept[slot].bytes <= room) {
-    damaged = kept[slot].bytes;
-    memcpy(data, kept[slot].image, damaged);
+  const base_image *base = bases_draw(&draws);
+  if (base != NULL && base->bytes <= room) {
+    damaged = base->bytes;
+    memcpy(data, base->image, damaged);
   }
-  damage_fields(data, damaged, seed);
+  damage_fields(data, damaged, (uint32_t)splitmix64(&draws)); /* which field does not go by which base */
   return damaged;
 }
 
@@ -68,8 +61,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes) {
   fray_world *world = open_mended(image, bytes, &memory);
   if (world != NULL) {
     const uint32_t crc = bytes_crc32(image, bytes);
-    keep(image, bytes, crc);
-    run_world(world, crc % LONG == 0 ? RUN_TICKS : SHORT, crc);
+    const uint64_t work_max = crc % LONG_ONE_IN == 0 ? RUN_WORK_LONG : RUN_WORK_MAX;
+    if (run_world(world, RUN_TICKS, work_max, crc) >= RUN_TICKS) bases_keep(image, bytes, crc);
   }
   free(memory);
   free(image);

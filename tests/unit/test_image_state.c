@@ -7,7 +7,7 @@
 #include "tests/lib/test.h"
 #include "tests/lib/world_fixture.h"
 
-enum { IN_STATE = 2, IN_LINKS = 3, IN_X = 12, IN_VX = 15, IN_AREA = 39, IN_MEMBRANE = 46,
+enum { IN_PARAMS = 1, IN_STATE = 2, IN_LINKS = 3, IN_X = 12, IN_VX = 15, IN_BODY_STATES = 26, IN_AREA = 39, IN_MATERIALS = 45, IN_MEMBRANE = 46,
        IN_SMOOTHED_STRAINS = 47, TICKS = 60, WORK_MAX = 1 << 24 };
 
 static void patch(fixture *f, uint32_t section, uint32_t word, int32_t value) {
@@ -69,7 +69,83 @@ static void classes_of_a_shear_lock(void) {
   CHECK_EQ_INT(f.w->capacity[POOL_BEND_SHEAR_CLASSES], CLASS_SHEAR + 1);
 }
 
+/* The law of an isotropic sheet is asked for before the range of its words. */
+static void stiffness_beyond_its_type(void) {
+  static const int32_t shears[] = {1 << 30, INT32_MAX, INT32_MIN}, others[] = {INT32_MIN, INT32_MAX};
+  for (uint32_t n = 0; n < 3; ++n)
+    for (uint32_t k = 0; k < 2; ++k) {
+      fixture_scoped f = {0};
+      fray_error error = {FRAY_OK, 0, 0, ""};
+      fixture_file(&f, "tests/fuzz/tiny/isotropic.seed", NULL);
+      for (uint32_t r = 0; r < MATERIAL_ROWS; ++r) {
+        const uint32_t row = (uint32_t)(offsetof(material_table, stretch) / 4) + r * MATERIAL_ENTRIES;
+        patch(&f, IN_MATERIALS, row + 1, others[k]);
+        patch(&f, IN_MATERIALS, row + 3, shears[n]);
+      }
+      CHECK_EQ_INT(open_patched(&f, &error), FRAY_BAD_FIELD);
+      CHECK_EQ_INT(error.section, IN_MATERIALS);
+    }
+}
+
 /* ---- fields at their limits ---- */
+
+/* What a device was given saturates, whatever an image says that it was. */
+static void energies_of_handles_saturate(void) {
+  static const int64_t given[] = {INT64_MAX, INT64_MIN, INT64_MAX / 2, -INT64_MAX / 2};
+  for (uint32_t n = 0; n < 4; ++n) {
+    fixture_scoped f = {0};
+    fixture_file(&f, "tests/fuzz/tiny/two_handles.seed", NULL);
+    for (uint32_t h = 0; h < FRAY_HANDS; ++h)
+      for (uint32_t word = 0; word < 6; ++word)
+        patch(&f, IMAGE_HANDLE_STATES, h * HANDLE_STATE_WORDS + (uint32_t)(offsetof(handle_state, given) / 4) + word,
+              (int32_t)(uint32_t)((uint64_t)given[n] >> (word & 1u) * 32u));
+    check_runs(&f);
+    fray_error error = {FRAY_OK, 0, 0, ""};
+    CHECK_EQ_INT(open_patched(&f, &error), FRAY_OK);
+    (void)fixture_tick(&f, &fixture_idle);
+    for (uint32_t h = 0; h < FRAY_HANDS; ++h) {
+      const int64_t sum = (int64_t)state_pair(f.w->handles.states[h].given);
+      CHECK(sum >= -(INT64_MAX / 4) && sum <= INT64_MAX / 4 && (sum < 0) == (given[n] < 0));
+    }
+  }
+}
+
+/* A force of many steps for a unit of impulse. */
+static void forces_of_handles_with_every_shift(void) {
+  for (int32_t shift = 1; shift <= 62; shift += shift < 12 ? 1 : 10) {
+    fixture_scoped f = {0};
+    fixture_file(&f, "tests/fuzz/tiny/two_handles.seed", NULL);
+    patch(&f, IN_PARAMS, offsetof(params, force_shift) / 4, shift);
+    patch(&f, IN_PARAMS, offsetof(params, force_gain) / 4, 1 << 23);
+    check_runs(&f);
+  }
+}
+
+/* Its path of a tick ends in the world, as those of the vertices do. */
+static void a_free_blade_as_fast_as_a_word_says(void) {
+  for (uint32_t n = 0; n < 6; ++n) {
+    fixture_scoped f = {0};
+    fixture_file(&f, "tests/fuzz/tiny/held_blade.seed", NULL);
+    patch(&f, IN_PARAMS, offsetof(params, substeps) / 4, 64);
+    patch(&f, IN_BODY_STATES, (uint32_t)(offsetof(body_state, velocity) / 4) + n % 3, n < 3 ? INT32_MAX : -INT32_MAX);
+    check_runs(&f);
+  }
+}
+
+/* Isotropic sheets whose triangles are drawn to the largest strain on one side, and pressed to a line on the other. */
+static void isotropic_sheets_at_their_limits(void) {
+  static const char *const scenes[] = {"tests/fuzz/tiny/isotropic.seed", "tests/fuzz/tiny/many_cracks.seed"};
+  for (uint32_t n = 0; n < 2; ++n)
+    for (uint32_t seed = 0; seed < 8; ++seed) {
+      fixture_scoped f = {0};
+      uint64_t draws = seed;
+      fixture_file(&f, scenes[n], NULL);
+      for (uint32_t axis = 0; axis < 3; ++axis)
+        for (uint32_t p = 0; p < f.w->capacity[POOL_PARTICLES]; ++p)
+          patch(&f, IN_X + axis, p, (int32_t)(hostile_draw(&draws, 9) * FX_LU / 4) - FX_LU);
+      check_runs(&f);
+    }
+}
 
 static void places_at_the_edge_with_self_collision(void) {
   static const char *const scenes[] = {"tests/fuzz/seeds/yarn_collision.scene", "tests/fuzz/seeds/triangle_collision.scene"};
@@ -83,6 +159,18 @@ static void places_at_the_edge_with_self_collision(void) {
           patch(&f, IN_X + axis, p, hostile_draw(&draws, 2) != 0 ? 62 * FX_LU : -62 * FX_LU);
       check_runs(&f);
     }
+}
+
+static void yarns_at_the_edge(void) {
+  for (uint32_t seed = 0; seed < 16; ++seed) {
+    fixture_scoped f = {0};
+    uint64_t draws = seed;
+    fixture_file(&f, "tests/fuzz/tiny/all_yarn.seed", NULL);
+    for (uint32_t axis = 0; axis < 3; ++axis)
+      for (uint32_t p = 0; p < f.w->capacity[POOL_PARTICLES]; ++p)
+        patch(&f, IN_X + axis, p, hostile_draw(&draws, 2) != 0 ? 62 * FX_LU : -62 * FX_LU);
+    check_runs(&f);
+  }
 }
 
 /* Triangles as large as they count, at speeds that no air has. */
@@ -237,7 +325,13 @@ static void opening_writes_what_the_image_is_long(void) {
 int main(void) {
   TEST(strains_that_no_triangle_has);
   TEST(classes_of_a_shear_lock);
+  TEST(stiffness_beyond_its_type);
+  TEST(energies_of_handles_saturate);
+  TEST(forces_of_handles_with_every_shift);
+  TEST(a_free_blade_as_fast_as_a_word_says);
+  TEST(isotropic_sheets_at_their_limits);
   TEST(places_at_the_edge_with_self_collision);
+  TEST(yarns_at_the_edge);
   TEST(gales);
   TEST(triangles_that_have_hardly_any_area);
   TEST(counts_of_tears_saturate);
