@@ -89,6 +89,16 @@ static int force_corotational(const force_view *view, uint32_t t) {
   add_stress(view, t, &d, &stress);
   return is_overstretched(strain);
 }
+
+/* Triangles from the first on that a kernel left: a group of it, or the last of them. Returns 1 iff one is
+ * overstretched. */
+static int force_corotational_group(const force_view *view, uint32_t *t, uint32_t count) {
+  enum { GROUP = 8 };
+  const uint32_t end = count - *t > GROUP ? *t + GROUP : count;
+  int is_held = 0;
+  for (; *t < end; ++*t) is_held |= force_corotational(view, *t);
+  return is_held;
+}
 #endif
 
 void membrane_force_add(fray_world *w) {
@@ -99,7 +109,10 @@ void membrane_force_add(fray_world *w) {
   uint32_t t = 0;
   int is_held = 0;
 #if FRAY_CRACKS
-  for (; t < count && world_is_corotational(w); ++t) is_held |= force_corotational(&view, t);
+  while (t < count && world_is_corotational(w)) {
+    t += simd_corotational_force(w->kernel, &view, t, count);
+    is_held |= force_corotational_group(&view, &t, count);
+  }
 #endif
   while (t < count) {
     t += simd_membrane_force(w->kernel, &view, t, count);

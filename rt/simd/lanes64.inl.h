@@ -27,9 +27,23 @@ LANES_INLINE lanes lanes64_round(lanes64 v, unsigned s) {
   const lanes64 half = lanes64_set((int64_t)1 << (s - 1u));
   return lanes64_low(lanes64_shr(lanes64_add(v, lanes64_add(lanes64_sign(v), half)), s));
 }
+/* The same in the low words; what is above them is not the sign. */
+LANES_INLINE lanes64 lanes64_rounded(lanes64 v, unsigned s) {
+  const lanes64 half = lanes64_set((int64_t)1 << (s - 1u));
+  return lanes64_shr(lanes64_add(v, lanes64_add(lanes64_sign(v), half)), s);
+}
+/* v >= 0 */
+LANES_INLINE lanes64 lanes64_rounded_u(lanes64 v, unsigned s) {
+  return lanes64_shr(lanes64_add(v, lanes64_set((int64_t)1 << (s - 1u))), s);
+}
 LANES_INLINE lanes64 lanes64_dot(const lanes a[3], const lanes b[3]) {
   return lanes64_add(lanes64_add(lanes64_mul(a[0], b[0]), lanes64_mul(a[1], b[1])),
                      lanes64_mul(a[2], b[2]));
+}
+/* Of low words. */
+LANES_INLINE lanes64 lanes64_dot_low(const lanes64 a[3], const lanes64 b[3]) {
+  return lanes64_add(lanes64_add(lanes64_mul_low(a[0], b[0]), lanes64_mul_low(a[1], b[1])),
+                     lanes64_mul_low(a[2], b[2]));
 }
 /* (a x b) 2^-bits, rounded. */
 LANES_INLINE void lanes64_cross(const lanes a[3], const lanes b[3], unsigned bits, lanes product[3]) {
@@ -104,6 +118,12 @@ LANES_INLINE lanes lanes_scale_unit(lanes unit, lanes length) {
 /* ORs the magnitude of v (~v below zero) into `far`: its top bit bounds every value seen. */
 LANES_INLINE lanes64 lanes64_or_size(lanes64 far, lanes64 v) {
   return lanes64_or(far, lanes64_xor(v, lanes64_sign(v)));
+}
+/* a b + c d of low words, rounded; its size goes into `far`. */
+LANES_INLINE lanes64 lanes64_dot2(lanes64 *far, lanes64 a, lanes64 b, lanes64 c, lanes64 d, unsigned bits) {
+  const lanes64 sum = lanes64_add(lanes64_mul_low(a, b), lanes64_mul_low(c, d));
+  *far = lanes64_or_size(*far, sum);
+  return lanes64_rounded(sum, bits);
 }
 /* Whether any value seen was outside of +-2^bits. */
 LANES_INLINE int lanes64_any_beyond(lanes64 far, unsigned bits) {

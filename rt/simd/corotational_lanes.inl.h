@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Scalar twin: rt/membrane/corotational.c, same order of operations. The law of isotropic sheets, LANES
+ * triangles at a time, in the low words of 64-bit lanes. Triangles that are pressed, or whose stress would be
+ * clamped, are left to the scalar code, one by one. */
+#ifndef FRAY_SIMD_COROTATIONAL_LANES_INL_H
+#define FRAY_SIMD_COROTATIONAL_LANES_INL_H
+
+#include "rt/membrane/corotational.h"
+#include "rt/simd/lanes64.inl.h"
+
+#if defined(LANES_HAVE_64) && FRAY_CRACKS
+enum {
+  COROTATIONAL_LANES_STRESS = 58,                        /* bits of sums before they are rounded */
+  COROTATIONAL_LANES_STRAIN_MAX = 2 * STRAIN_ONE,        /* or C has more than 32 bits in sums */
+  COROTATIONAL_LANES_DET = 5, COROTATIONAL_LANES_TRACE = 3 /* pairs of zeros before the first bit */
+};
+
+typedef struct {
+  lanes64 root, over; /* nearest_root() and inverse_root(), Q28 */
+} corotational_lanes_root;
+
+/* Of n with at most 2 `pairs` zeros before its first bit. */
+LANES_INLINE corotational_lanes_root corotational_lanes_root_of(lanes64 n, int pairs) {
+  const lanes high = lanes64_high(n);
+  lanes fewer = lanes_set(0); /* minus the pairs of zeros */
+  LANES_UNROLL
+  for (int k = 0; k < pairs; ++k)
+    fewer = lanes_add(fewer, lanes_sign(lanes_sub(high, lanes_set(1 << (30 - 2 * k)))));
+  const lanes64 up = lanes64_from(lanes_sub(lanes_set(0), fewer));
+  const lanes64 normal = lanes64_shl_by64(n, lanes64_add(up, up));
+  const lanes64 m = lanes64_shr(normal, 32);
+  const lanes64 slope = lanes64_select_negative(normal, lanes64_set(217931629), lanes64_set(616403730));
+  const lanes64 from = lanes64_select_negative(normal, lanes64_set(1922456487), lanes64_set(2716337504));
+  lanes64 y = lanes64_sub(from, lanes64_shr(lanes64_mul_low_u(m, slope), 30));
+  LANES_UNROLL
+  for (int step = 0; step < FX_ROOT_FINE; ++step) {
+    const lanes64 squared = lanes64_shr(lanes64_mul_low_u(y, y), 31);
+    const lanes64 unity = lanes64_shr(lanes64_mul_low_u(m, squared), 30);
+    const lanes64 short_of = lanes64_sub(lanes64_set((int64_t)1 << 31), unity);
+    y = lanes64_add_words(y, lanes64_shr(lanes64_mul_low(y, short_of), 32));
+  }
+  const lanes64 inverse = lanes64_min_words_u(y, lanes64_set((int64_t)1 << 31));
+  const lanes64 length =
+      lanes64_shr_by64(lanes64_mul_low_u(m, inverse), lanes64_add(up, lanes64_set(30)));
+  const lanes64 over = lanes64_shr_by64(lanes64_add(inverse, lanes64_shr_by64(lanes64_set(32), up)),
+                                        lanes64_sub(lanes64_set(6), up));
+  const lanes64 rest = lanes64_sub(n, lanes64_mul_low_u(length, length));
+  const lanes64 off = lanes64_add(lanes64_mul_low_u(rest, over),
+                                  lanes64_shl(lanes64_mul_low_u(lanes64_shr(rest, 32), over), 32));
+  const lanes64 half = lanes64_set((int64_t)1 << (2 * STRAIN_BITS));
+  const lanes64 halved = lanes64_add(off, lanes64_add(lanes64_sign(off), half));
+  const lanes64 more = lanes64_shr(lanes64_asr_words(halved, 2 * STRAIN_BITS + 1 - 32), 32);
+  return (corotational_lanes_root){lanes64_add_words(length, more), over};
+}
+
+/* What follows from C: low words, Q28. */
+typedef struct {
+  lanes64 counted_uu, counted_vv, counted_uv;
+  lanes64 x_uu, x_vv, x_uv; /* U^-1 */
+  lane_mask pressed;
+} corotational_lanes_stretch;
+
+/* Where not pressed; uu and vv at most COROTATIONAL_LANES_STRAIN_MAX. */
+LANES_INLINE corotational_lanes_stretch corotational_lanes_stretch_of(lanes g_uu, lanes g_vv, lanes g_uv) {
+  const lanes64 one = lanes64_set(STRAIN_ONE);
+  const lanes64 uu = lanes64_from(lanes_add(lanes_add(g_uu, g_uu), lanes_set(STRAIN_ONE)));
+  const lanes64 vv = lanes64_from(lanes_add(lanes_add(g_vv, g_vv), lanes_set(STRAIN_ONE)));
+  const lanes64 uv = lanes64_words(g_uv);
+  const lanes64 det = lanes64_sub(lanes64_mul_low_u(uu, vv), lanes64_mul_low(uv, uv));
+  const corotational_lanes_root j = corotational_lanes_root_of(det, COROTATIONAL_LANES_DET);
+  const lanes64 uu_j = lanes64_add(uu, j.root);
+  const lanes64 vv_j = lanes64_add(vv, j.root);
+  const lanes64 square = lanes64_shl(lanes64_add(uu_j, vv_j), STRAIN_BITS);
+  const corotational_lanes_root t = corotational_lanes_root_of(square, COROTATIONAL_LANES_TRACE);
+  corotational_lanes_stretch s;
+  const lanes64 least = lanes64_sub(lanes64_add(lanes64_shl(j.root, 2), one), lanes64_shl(t.root, 1));
+  s.pressed = lanes64_negative(
+      lanes64_or(lanes64_or(least, lanes64_sub(t.root, one)),
+                 lanes64_sub(det, lanes64_set((int64_t)1 << (2 * STRAIN_BITS - 4)))));
+  s.counted_uu = lanes64_rounded(lanes64_mul_low(lanes64_sub(uu_j, t.root), t.over), STRAIN_BITS);
+  s.counted_vv = lanes64_rounded(lanes64_mul_low(lanes64_sub(vv_j, t.root), t.over), STRAIN_BITS);
+  s.counted_uv = lanes64_rounded(lanes64_mul_low(uv, t.over), STRAIN_BITS - 1);
+  const lanes64 over = lanes64_rounded_u(lanes64_mul_low_u(j.over, t.over), STRAIN_BITS);
+  s.x_uu = lanes64_rounded_u(lanes64_mul_low_u(vv_j, over), STRAIN_BITS);
+  s.x_vv = lanes64_rounded_u(lanes64_mul_low_u(uu_j, over), STRAIN_BITS);
+  s.x_uv = lanes64_sub(lanes64_set(0), lanes64_rounded(lanes64_mul_low(uv, over), STRAIN_BITS));
+  return s;
+}
+
+/* T = c (U - 1) by low words. */
+LANES_INLINE void corotational_lanes_tension(const lanes c[4], const corotational_lanes_stretch *s,
+                                             lanes64 *far, lanes64 f[3]) {
+  const lanes64 c0 = lanes64_words(c[0]);
+  const lanes64 c1 = lanes64_words(c[1]);
+  const lanes64 shear = lanes64_mul_low(lanes64_words(c[3]), s->counted_uv);
+  f[0] = lanes64_dot2(far, c0, s->counted_uu, c1, s->counted_vv, STRAIN_BITS);
+  f[1] = lanes64_dot2(far, c1, s->counted_uu, lanes64_words(c[2]), s->counted_vv, STRAIN_BITS);
+  f[2] = lanes64_rounded(shear, STRAIN_BITS);
+  *far = lanes64_or_size(*far, shear);
+}
+
+/* Lanes whose sums were beyond, and those that are pressed. */
+LANES_INLINE uint32_t corotational_lanes_left(const corotational_lanes_stretch *s, lanes64 far) {
+  const lanes beyond = lanes64_low(lanes64_shr(far, COROTATIONAL_LANES_STRESS));
+  return mask_bits(mask_or(s->pressed, lanes_not_equal(beyond, lanes_set(0))));
+}
+
+/* S or T of lanes in `left`, from the scalar code. */
+LANES_INLINE void corotational_lanes_one_by_one(const lanes c[4], const lanes g[3], uint32_t left,
+                                                int is_counted, lanes s[3]) {
+  int32_t stiffness[MATERIAL_ENTRIES][LANES], strain[3][LANES], stress[3][LANES];
+  LANES_UNROLL
+  for (int n = 0; n < MATERIAL_ENTRIES; ++n) lanes_store(stiffness[n], c[n]);
+  LANES_UNROLL
+  for (int n = 0; n < 3; ++n) {
+    lanes_store(strain[n], g[n]);
+    lanes_store(stress[n], s[n]);
+  }
+  for (uint32_t n = 0; n < (uint32_t)LANES; ++n) {
+    if ((left >> n & 1u) == 0) continue;
+    const int32_t by[MATERIAL_ENTRIES] = {stiffness[0][n], stiffness[1][n], stiffness[2][n],
+                                          stiffness[3][n]};
+    const material_tensor green = {strain[0][n], strain[1][n], strain[2][n]};
+    material_tensor counted;
+    material_tensor found = corotational_stress(by, green, &counted);
+    if (is_counted) found = material_stress(by, counted);
+    stress[0][n] = found.uu;
+    stress[1][n] = found.vv;
+    stress[2][n] = found.uv;
+  }
+  LANES_UNROLL
+  for (int n = 0; n < 3; ++n) s[n] = lanes_load(stress[n]);
+}
+
+/* S: corotational_stress(). */
+LANES_INLINE void corotational_lanes_stress(const lanes c[4], const lanes g[3], lanes s[3]) {
+  const corotational_lanes_stretch k = corotational_lanes_stretch_of(g[0], g[1], g[2]);
+  lanes64 far = lanes64_set(0);
+  lanes64 f[3];
+  corotational_lanes_tension(c, &k, &far, f);
+  const lanes64 both = lanes64_asr_words(lanes64_add_words(f[0], f[1]), 1);
+  const lanes64 mean = lanes64_asr_words(lanes64_add_words(k.x_uu, k.x_vv), 1);
+  s[0] = lanes64_low(lanes64_dot2(&far, f[0], k.x_uu, f[2], k.x_uv, STRAIN_BITS));
+  s[1] = lanes64_low(lanes64_dot2(&far, f[1], k.x_vv, f[2], k.x_uv, STRAIN_BITS));
+  s[2] = lanes64_low(lanes64_dot2(&far, both, k.x_uv, f[2], mean, STRAIN_BITS));
+  const uint32_t left = corotational_lanes_left(&k, far);
+  if (left != 0) corotational_lanes_one_by_one(c, g, left, 0, s);
+}
+
+/* T: what tears go by. */
+LANES_INLINE void corotational_lanes_tension_of(const lanes c[4], const lanes g[3], lanes s[3]) {
+  const corotational_lanes_stretch k = corotational_lanes_stretch_of(g[0], g[1], g[2]);
+  lanes64 far = lanes64_set(0);
+  lanes64 f[3];
+  corotational_lanes_tension(c, &k, &far, f);
+  LANES_UNROLL
+  for (int n = 0; n < 3; ++n) s[n] = lanes64_low(f[n]);
+  const uint32_t left = corotational_lanes_left(&k, far);
+  if (left != 0) corotational_lanes_one_by_one(c, g, left, 1, s);
+}
+#endif
+
+#endif
