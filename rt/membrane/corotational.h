@@ -20,6 +20,9 @@
 #include "rt/state/features.h"
 #include "rt/state/material.h"
 
+/* Triangles that scalar code takes before a kernel tries again where it stopped. */
+enum { COROTATIONAL_GROUP = 8 };
+
 /* S of Green's strain g in the format of c, which is isotropic; U - 1 in *counted, its uv twice the shear.
  * Cost: two roots and 30 products; one root more where a stretch is below 1/2. */
 material_tensor corotational_stress(const int32_t c[MATERIAL_ENTRIES], material_tensor g,

@@ -90,11 +90,10 @@ static int force_corotational(const force_view *view, uint32_t t) {
   return is_overstretched(strain);
 }
 
-/* Triangles from the first on that a kernel left: a group of it, or the last of them. Returns 1 iff one is
+/* Triangles from *t on that a kernel left: a group of it, or the last of them. Returns 1 iff one is
  * overstretched. */
 static int force_corotational_group(const force_view *view, uint32_t *t, uint32_t count) {
-  enum { GROUP = 8 };
-  const uint32_t end = count - *t > GROUP ? *t + GROUP : count;
+  const uint32_t end = count - *t > COROTATIONAL_GROUP ? *t + COROTATIONAL_GROUP : count;
   int is_held = 0;
   for (; *t < end; ++*t) is_held |= force_corotational(view, *t);
   return is_held;

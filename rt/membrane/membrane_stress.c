@@ -48,6 +48,12 @@ static void stress_corotational(const fray_world *w, uint32_t t) {
   w->membrane.stress[t] = material_stress(c, counted);
   soften(&w->membrane.stress[t], membrane_softening(w, t));
 }
+
+/* Triangles from *t on that a kernel left: a group of it, or the last of them. */
+static void stress_corotational_group(const fray_world *w, uint32_t *t, uint32_t count) {
+  const uint32_t end = count - *t > COROTATIONAL_GROUP ? *t + COROTATIONAL_GROUP : count;
+  for (; *t < end; ++*t) stress_corotational(w, *t);
+}
 #endif
 
 static void stress_triangle(const fray_world *w, uint32_t t) {
@@ -75,7 +81,10 @@ void membrane_stress_update(fray_world *w) {
   uint32_t t = 0;
   FRAY_ASSERT(count <= w->capacity[POOL_TRIANGLES]);
 #if FRAY_CRACKS
-  for (; t < count && world_is_corotational(w); ++t) stress_corotational(w, t);
+  while (t < count && world_is_corotational(w)) {
+    t += simd_corotational_stress(w->kernel, &view, t, count);
+    stress_corotational_group(w, &t, count);
+  }
 #endif
   while (t < count) {
     t += simd_membrane_stress(w->kernel, &view, t, count);

@@ -10,8 +10,8 @@
 
 #if defined(LANES_HAVE_64) && FRAY_CRACKS
 enum {
-  COROTATIONAL_LANES_STRESS = 58,                        /* bits of sums before they are rounded */
-  COROTATIONAL_LANES_STRAIN_MAX = 2 * STRAIN_ONE,        /* or C has more than 32 bits in sums */
+  COROTATIONAL_LANES_STRESS = 58, /* bits of sums before they are rounded */
+  COROTATIONAL_LANES_STRAIN = 58, /* so C is at most 5, and what is made of it fits 32 bits */
   COROTATIONAL_LANES_DET = 5, COROTATIONAL_LANES_TRACE = 3 /* pairs of zeros before the first bit */
 };
 
@@ -19,12 +19,12 @@ typedef struct {
   lanes64 root, over; /* nearest_root() and inverse_root(), Q28 */
 } corotational_lanes_root;
 
-/* Of n with at most 2 `pairs` zeros before its first bit. */
+/* Of n below 2^62, with 2 to 2 `pairs` + 1 zeros before its first bit. */
 LANES_INLINE corotational_lanes_root corotational_lanes_root_of(lanes64 n, int pairs) {
   const lanes high = lanes64_high(n);
-  lanes fewer = lanes_set(0); /* minus the pairs of zeros */
+  lanes fewer = lanes_set(-1); /* minus the pairs of zeros */
   LANES_UNROLL
-  for (int k = 0; k < pairs; ++k)
+  for (int k = 1; k < pairs; ++k)
     fewer = lanes_add(fewer, lanes_sign(lanes_sub(high, lanes_set(1 << (30 - 2 * k)))));
   const lanes64 up = lanes64_from(lanes_sub(lanes_set(0), fewer));
   const lanes64 normal = lanes64_shl_by64(n, lanes64_add(up, up));
@@ -60,7 +60,7 @@ typedef struct {
   lane_mask pressed;
 } corotational_lanes_stretch;
 
-/* Where not pressed; uu and vv at most COROTATIONAL_LANES_STRAIN_MAX. */
+/* Where not pressed; strains are within COROTATIONAL_LANES_STRAIN. */
 LANES_INLINE corotational_lanes_stretch corotational_lanes_stretch_of(lanes g_uu, lanes g_vv, lanes g_uv) {
   const lanes64 one = lanes64_set(STRAIN_ONE);
   const lanes64 uu = lanes64_from(lanes_add(lanes_add(g_uu, g_uu), lanes_set(STRAIN_ONE)));

@@ -55,6 +55,7 @@
 
 #if !defined(LANES_HAVE_64) || !FRAY_CRACKS
 #define corotational_force_lanes_run simd_none
+#define corotational_stress_lanes_run simd_none
 #endif
 
 #define SIMD_DEFINE(set, name, parameters, arguments, ...) \

@@ -54,6 +54,7 @@
   /* crossings first..end-1 of one colour: no two share a particle */ \
   /* triangles first..end-1, once a tick */ \
   X(set, membrane_stress, (const stress_view *v, uint32_t first, uint32_t end), (v, first, end)) \
+  X(set, corotational_stress, (const stress_view *v, uint32_t first, uint32_t end), (v, first, end)) \
   X(set, wind, (const wind_view *v, uint32_t first, uint32_t end), (v, first, end)) \
   X(set, bend_stiffness, (const plate_view *v, uint32_t first, uint32_t end), (v, first, end)) \
   X(set, bend_geometry, (const plate_view *v, uint32_t first, uint32_t end), (v, first, end)) \
