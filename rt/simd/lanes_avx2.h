@@ -248,8 +248,8 @@ LANES_INLINE __m128i lanes_record(const int32_t *record) {
 }
 /* Four words of each of the records at[0], at[4], `words` apart, side by side. */
 LANES_INLINE lanes lanes_load_records(const int32_t *from, uint32_t words, const uint32_t *at) {
-  const __m256i one = _mm256_castsi128_si256(lanes_record(from + words * at[0]));
-  return _mm256_inserti128_si256(one, lanes_record(from + words * at[4]), 1);
+  const __m256i one = _mm256_castsi128_si256(lanes_record(from + (size_t)words * at[0]));
+  return _mm256_inserti128_si256(one, lanes_record(from + (size_t)words * at[4]), 1);
 }
 /* In every four lanes: a0 b0 a1 b1, or a2 b2 a3 b3. */
 LANES_INLINE lanes lanes_unpack_low(lanes a, lanes b) { return _mm256_unpacklo_epi32(a, b); }

@@ -208,10 +208,10 @@ LANES_INLINE __m128i lanes_record(const int32_t *record) {
 }
 /* Four words of each of the records at[0], at[4], at[8], at[12], `words` apart, side by side. */
 LANES_INLINE lanes lanes_load_records(const int32_t *from, uint32_t words, const uint32_t *at) {
-  const __m512i one = _mm512_castsi128_si512(lanes_record(from + words * at[0]));
-  const __m512i two = _mm512_inserti32x4(one, lanes_record(from + words * at[4]), 1);
-  const __m512i three = _mm512_inserti32x4(two, lanes_record(from + words * at[8]), 2);
-  return _mm512_inserti32x4(three, lanes_record(from + words * at[12]), 3);
+  const __m512i one = _mm512_castsi128_si512(lanes_record(from + (size_t)words * at[0]));
+  const __m512i two = _mm512_inserti32x4(one, lanes_record(from + (size_t)words * at[4]), 1);
+  const __m512i three = _mm512_inserti32x4(two, lanes_record(from + (size_t)words * at[8]), 2);
+  return _mm512_inserti32x4(three, lanes_record(from + (size_t)words * at[12]), 3);
 }
 /* In every four lanes: a0 b0 a1 b1, or a2 b2 a3 b3. */
 LANES_INLINE lanes lanes_unpack_low(lanes a, lanes b) { return _mm512_unpacklo_epi32(a, b); }

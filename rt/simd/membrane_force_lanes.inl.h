@@ -51,14 +51,15 @@ LANES_INLINE void membrane_force_lanes_load(const force_view *v, uint32_t first,
                                             membrane_force_lanes *s, lanes c[4]) {
   uint32_t of[LANES];
   lanes at[3][4], d1[3], d2[3], r[4];
+  const trimesh_triangle *triangle = &v->triangle[first];
   for (uint32_t n = 0; n < (uint32_t)LANES; ++n) {
-    of[n] = first + (n < count ? n : 0);
-    for (uint32_t k = 0; k < 3; ++k) s->id[k][n] = v->triangle[of[n]].v[k];
+    of[n] = n < count ? n : 0;
+    for (uint32_t k = 0; k < 3; ++k) s->id[k][n] = triangle[of[n]].v[k];
   }
   LANES_UNROLL
   for (int k = 0; k < 3; ++k) record_lanes_load(v->place->at, 4, s->id[k], at[k]);
-  record_lanes_load(&v->weights->u1, 4, of, r);
-  record_lanes_load(v->gains->c, 4, of, c);
+  record_lanes_load(&v->weights[first].u1, 4, of, r);
+  record_lanes_load(v->gains[first].c, 4, of, c);
   membrane_force_lanes_difference(at[0], at[1], d1);
   membrane_force_lanes_difference(at[0], at[2], d2);
   LANES_UNROLL
