@@ -10,8 +10,8 @@
 
 #if defined(LANES_HAVE_64) && FRAY_CRACKS
 enum {
-  COROTATIONAL_LANES_STRESS = 58, /* bits of sums before they are rounded */
-  COROTATIONAL_LANES_STRAIN = 58, /* so C is at most 5, and what is made of it fits 32 bits */
+  COROTATIONAL_LANES_STRAIN = 58, /* before it is rounded: C is at most 5, and what is made of it fits 32 bits */
+  COROTATIONAL_LANES_STRESS = 57, /* of T, in the same way: S, at most three times that, fits 32 bits */
   COROTATIONAL_LANES_DET = 5, COROTATIONAL_LANES_TRACE = 3 /* pairs of zeros before the first bit */
 };
 
@@ -60,12 +60,33 @@ typedef struct {
   lane_mask pressed;
 } corotational_lanes_stretch;
 
-/* Where not pressed; strains are within COROTATIONAL_LANES_STRAIN. */
-LANES_INLINE corotational_lanes_stretch corotational_lanes_stretch_of(lanes g_uu, lanes g_vv, lanes g_uv) {
+/* C of U and V by low words: 1 + 2 G, as material_strain() rounds G. */
+typedef struct {
+  lanes64 uu, vv, uv;
+} corotational_lanes_c;
+
+/* Of U^2, Q56: G is rounded away from zero. */
+LANES_INLINE lanes64 corotational_lanes_squared(lanes64 squared) {
+  const lanes64 below = lanes64_sign(lanes64_sub(squared, lanes64_set((int64_t)1 << (2 * STRAIN_BITS))));
+  const lanes64 half = lanes64_set((int64_t)1 << STRAIN_BITS);
+  return lanes64_shl(lanes64_shr(lanes64_add(squared, lanes64_add(below, half)), STRAIN_BITS + 1), 1);
+}
+LANES_INLINE corotational_lanes_c corotational_lanes_c_of(const lanes64 u[3], const lanes64 v[3]) {
+  return (corotational_lanes_c){corotational_lanes_squared(lanes64_dot_low(u, u)),
+                                corotational_lanes_squared(lanes64_dot_low(v, v)),
+                                lanes64_rounded(lanes64_dot_low(u, v), STRAIN_BITS)};
+}
+/* Whether a lane is drawn to twice its length or more; U and V are within 2 along each axis. */
+LANES_INLINE int corotational_lanes_is_far(const corotational_lanes_c *c) {
+  return lanes64_any_beyond(lanes64_or(c->uu, c->vv), STRAIN_BITS + 2);
+}
+
+/* Where not pressed. */
+LANES_INLINE corotational_lanes_stretch corotational_lanes_stretch_of(const corotational_lanes_c *c) {
   const lanes64 one = lanes64_set(STRAIN_ONE);
-  const lanes64 uu = lanes64_from(lanes_add(lanes_add(g_uu, g_uu), lanes_set(STRAIN_ONE)));
-  const lanes64 vv = lanes64_from(lanes_add(lanes_add(g_vv, g_vv), lanes_set(STRAIN_ONE)));
-  const lanes64 uv = lanes64_words(g_uv);
+  const lanes64 uu = c->uu;
+  const lanes64 vv = c->vv;
+  const lanes64 uv = c->uv;
   const lanes64 det = lanes64_sub(lanes64_mul_low_u(uu, vv), lanes64_mul_low(uv, uv));
   const corotational_lanes_root j = corotational_lanes_root_of(det, COROTATIONAL_LANES_DET);
   const lanes64 uu_j = lanes64_add(uu, j.root);
@@ -106,16 +127,17 @@ LANES_INLINE uint32_t corotational_lanes_left(const corotational_lanes_stretch *
 }
 
 /* S or T of lanes in `left`, from the scalar code. */
-LANES_INLINE void corotational_lanes_one_by_one(const lanes c[4], const lanes g[3], uint32_t left,
+LANES_INLINE void corotational_lanes_one_by_one(const lanes c[4], const corotational_lanes_c *k, uint32_t left,
                                                 int is_counted, lanes s[3]) {
   int32_t stiffness[MATERIAL_ENTRIES][LANES], strain[3][LANES], stress[3][LANES];
+  const lanes one = lanes_set(STRAIN_ONE);
+  lanes_store(strain[0], lanes_asr(lanes_sub(lanes64_low(k->uu), one), 1));
+  lanes_store(strain[1], lanes_asr(lanes_sub(lanes64_low(k->vv), one), 1));
+  lanes_store(strain[2], lanes64_low(k->uv));
   LANES_UNROLL
   for (int n = 0; n < MATERIAL_ENTRIES; ++n) lanes_store(stiffness[n], c[n]);
   LANES_UNROLL
-  for (int n = 0; n < 3; ++n) {
-    lanes_store(strain[n], g[n]);
-    lanes_store(stress[n], s[n]);
-  }
+  for (int n = 0; n < 3; ++n) lanes_store(stress[n], s[n]);
   for (uint32_t n = 0; n < (uint32_t)LANES; ++n) {
     if ((left >> n & 1u) == 0) continue;
     const int32_t by[MATERIAL_ENTRIES] = {stiffness[0][n], stiffness[1][n], stiffness[2][n],
@@ -132,31 +154,49 @@ LANES_INLINE void corotational_lanes_one_by_one(const lanes c[4], const lanes g[
   for (int n = 0; n < 3; ++n) s[n] = lanes_load(stress[n]);
 }
 
-/* S: corotational_stress(). */
-LANES_INLINE void corotational_lanes_stress(const lanes c[4], const lanes g[3], lanes s[3]) {
-  const corotational_lanes_stretch k = corotational_lanes_stretch_of(g[0], g[1], g[2]);
+LANES_INLINE void corotational_lanes_replace(const lanes c[4], const corotational_lanes_c *k, uint32_t left,
+                                             int is_counted, lanes64 s[3]) {
+  lanes low[3];
+  LANES_UNROLL
+  for (int n = 0; n < 3; ++n) low[n] = lanes64_low(s[n]);
+  corotational_lanes_one_by_one(c, k, left, is_counted, low);
+  LANES_UNROLL
+  for (int n = 0; n < 3; ++n) s[n] = lanes64_words(low[n]);
+}
+
+LANES_INLINE lanes64 corotational_lanes_dot2(lanes64 a, lanes64 b, lanes64 c, lanes64 d) {
+  return lanes64_rounded(lanes64_add(lanes64_mul_low(a, b), lanes64_mul_low(c, d)), STRAIN_BITS);
+}
+
+/* S by low words: corotational_stress(). */
+LANES_INLINE void corotational_lanes_stress(const lanes c[4], const corotational_lanes_c *square, lanes64 s[3]) {
+  const corotational_lanes_stretch k = corotational_lanes_stretch_of(square);
   lanes64 far = lanes64_set(0);
   lanes64 f[3];
   corotational_lanes_tension(c, &k, &far, f);
   const lanes64 both = lanes64_asr_words(lanes64_add_words(f[0], f[1]), 1);
   const lanes64 mean = lanes64_asr_words(lanes64_add_words(k.x_uu, k.x_vv), 1);
-  s[0] = lanes64_low(lanes64_dot2(&far, f[0], k.x_uu, f[2], k.x_uv, STRAIN_BITS));
-  s[1] = lanes64_low(lanes64_dot2(&far, f[1], k.x_vv, f[2], k.x_uv, STRAIN_BITS));
-  s[2] = lanes64_low(lanes64_dot2(&far, both, k.x_uv, f[2], mean, STRAIN_BITS));
+  s[0] = corotational_lanes_dot2(f[0], k.x_uu, f[2], k.x_uv);
+  s[1] = corotational_lanes_dot2(f[1], k.x_vv, f[2], k.x_uv);
+  s[2] = corotational_lanes_dot2(both, k.x_uv, f[2], mean);
   const uint32_t left = corotational_lanes_left(&k, far);
-  if (left != 0) corotational_lanes_one_by_one(c, g, left, 0, s);
+  if (left != 0) corotational_lanes_replace(c, square, left, 0, s);
 }
 
-/* T: what tears go by. */
+/* T of Green's strain: what tears go by. */
 LANES_INLINE void corotational_lanes_tension_of(const lanes c[4], const lanes g[3], lanes s[3]) {
-  const corotational_lanes_stretch k = corotational_lanes_stretch_of(g[0], g[1], g[2]);
+  const lanes one = lanes_set(STRAIN_ONE);
+  const corotational_lanes_c square = {lanes64_from(lanes_add(lanes_add(g[0], g[0]), one)),
+                                       lanes64_from(lanes_add(lanes_add(g[1], g[1]), one)),
+                                       lanes64_words(g[2])};
+  const corotational_lanes_stretch k = corotational_lanes_stretch_of(&square);
   lanes64 far = lanes64_set(0);
   lanes64 f[3];
   corotational_lanes_tension(c, &k, &far, f);
+  const uint32_t left = corotational_lanes_left(&k, far);
+  if (left != 0) corotational_lanes_replace(c, &square, left, 1, f);
   LANES_UNROLL
   for (int n = 0; n < 3; ++n) s[n] = lanes64_low(f[n]);
-  const uint32_t left = corotational_lanes_left(&k, far);
-  if (left != 0) corotational_lanes_one_by_one(c, g, left, 1, s);
 }
 #endif
 

@@ -150,18 +150,17 @@ LANES_RUN_GROUPS(membrane_force_lanes_run, force_view, membrane_force_lanes_grou
 #if FRAY_CRACKS
 LANES_INLINE int corotational_force_lanes_group(const force_view *v, uint32_t first, uint32_t count) {
   membrane_force_lanes s;
-  lanes c[4], stress[3], one[4], two[4];
+  lanes64 stress[3];
+  lanes c[4], one[4], two[4];
   s.far_axis = s.far_stress = s.far_corner = lanes64_set(0);
   membrane_force_lanes_load(v, first, count, &s, c);
-  membrane_force_lanes_strain(&s);
-  if (lanes64_any_beyond(s.far_axis, MEMBRANE_FORCE_LANES_AXIS) ||
-      lanes64_any_beyond(s.far_stress, MEMBRANE_FORCE_LANES_STRESS))
-    return 0;
-  const lanes strain[3] = {s.g_uu, s.g_vv, s.g_uv};
-  corotational_lanes_stress(c, strain, stress);
-  s.uu = lanes64_words(stress[0]);
-  s.vv = lanes64_words(stress[1]);
-  s.uv = lanes64_words(stress[2]);
+  if (lanes64_any_beyond(s.far_axis, MEMBRANE_FORCE_LANES_AXIS)) return 0;
+  const corotational_lanes_c square = corotational_lanes_c_of(s.u, s.v);
+  if (corotational_lanes_is_far(&square)) return 0;
+  corotational_lanes_stress(c, &square, stress);
+  s.uu = stress[0];
+  s.vv = stress[1];
+  s.uv = stress[2];
   if (!membrane_force_lanes_impulses(&s, one, two)) return 0;
   membrane_force_lanes_add(v, &s, count, one, two);
   return 1;
