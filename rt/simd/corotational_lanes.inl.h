@@ -29,17 +29,7 @@ LANES_INLINE corotational_lanes_root corotational_lanes_root_of(lanes64 n, int p
   const lanes64 up = lanes64_from(lanes_sub(lanes_set(0), fewer));
   const lanes64 normal = lanes64_shl_by64(n, lanes64_add(up, up));
   const lanes64 m = lanes64_shr(normal, 32);
-  const lanes64 slope = lanes64_select_negative(normal, lanes64_set(217931629), lanes64_set(616403730));
-  const lanes64 from = lanes64_select_negative(normal, lanes64_set(1922456487), lanes64_set(2716337504));
-  lanes64 y = lanes64_sub(from, lanes64_shr(lanes64_mul_low_u(m, slope), 30));
-  LANES_UNROLL
-  for (int step = 0; step < FX_ROOT_FINE; ++step) {
-    const lanes64 squared = lanes64_shr(lanes64_mul_low_u(y, y), 31);
-    const lanes64 unity = lanes64_shr(lanes64_mul_low_u(m, squared), 30);
-    const lanes64 short_of = lanes64_sub(lanes64_set((int64_t)1 << 31), unity);
-    y = lanes64_add_words(y, lanes64_shr(lanes64_mul_low(y, short_of), 32));
-  }
-  const lanes64 inverse = lanes64_min_words_u(y, lanes64_set((int64_t)1 << 31));
+  const lanes64 inverse = lanes64_inverse_root(normal);
   const lanes64 length =
       lanes64_shr_by64(lanes64_mul_low_u(m, inverse), lanes64_add(up, lanes64_set(30)));
   const lanes64 over = lanes64_shr_by64(lanes64_add(inverse, lanes64_shr_by64(lanes64_set(32), up)),

@@ -59,11 +59,20 @@ typedef struct {
   lanes inverse, h;
 } lanes_root;
 
-LANES_INLINE lanes lanes_newton(lanes m, lanes y) {
-  const lanes squared = lanes64_low(lanes64_shr(lanes64_mul_u(y, y), 31));
-  const lanes unity = lanes64_low(lanes64_shr(lanes64_mul_u(m, squared), 30));
-  const lanes short_of = lanes_sub(lanes_set(INT32_MIN), unity);
-  return lanes_add(y, lanes64_high(lanes64_mul(y, short_of)));
+/* The inverse of fx_rsqrt(n, FX_ROOT_FINE) by n 2^lz, whose high words are its m. Words above are 0. */
+LANES_INLINE lanes64 lanes64_inverse_root(lanes64 normal) {
+  const lanes64 m = lanes64_shr(normal, 32);
+  const lanes64 slope = lanes64_select_negative(normal, lanes64_set(217931629), lanes64_set(616403730));
+  const lanes64 from = lanes64_select_negative(normal, lanes64_set(1922456487), lanes64_set(2716337504));
+  lanes64 y = lanes64_sub(from, lanes64_shr(lanes64_mul_low_u(m, slope), 30));
+  LANES_UNROLL
+  for (int step = 0; step < FX_ROOT_FINE; ++step) {
+    const lanes64 squared = lanes64_shr(lanes64_mul_low_u(y, y), 31);
+    const lanes64 unity = lanes64_shr(lanes64_mul_low_u(m, squared), 30);
+    const lanes64 short_of = lanes64_sub(lanes64_set((int64_t)1 << 31), unity);
+    y = lanes64_add_words(y, lanes64_shr(lanes64_mul_low(y, short_of), 32));
+  }
+  return lanes64_min_words_u(y, lanes64_set((int64_t)1 << 31));
 }
 
 /* fx_rsqrt(n, FX_ROOT_FINE), with its m in *m. Undefined where n is 0. */
@@ -79,16 +88,9 @@ LANES_INLINE lanes_root lanes_rsqrt(lanes64 n, lanes *m) {
     v = lanes_select(more, v, lanes_shl(v, s));
     up = lanes_add(up, lanes_select(more, zero, lanes_set((int32_t)s)));
   }
-  *m = lanes64_high(lanes64_shl_by(n, up));
-  const lanes slope_low = lanes64_low(lanes64_shr(lanes64_mul_u(*m, lanes_set(616403730)), 30));
-  const lanes slope_high = lanes64_low(lanes64_shr(lanes64_mul_u(*m, lanes_set(217931629)), 30));
-  const lanes low = lanes_sub(lanes_set((int32_t)2716337504u), slope_low);
-  const lanes high_y = lanes_sub(lanes_set((int32_t)1922456487u), slope_high);
-  lanes y = lanes_select(lanes_negative(*m), high_y, low);
-  y = lanes_newton(*m, lanes_newton(*m, lanes_newton(*m, y)));
-  /* at most 2^31 */
-  y = lanes_select(lanes_negative(y), lanes_set(INT32_MIN), y);
-  return (lanes_root){y, lanes_sub(lanes_set(31), lanes_asr(up, 1))};
+  const lanes64 normal = lanes64_shl_by(n, up);
+  *m = lanes64_high(normal);
+  return (lanes_root){lanes64_low(lanes64_inverse_root(normal)), lanes_sub(lanes_set(31), lanes_asr(up, 1))};
 }
 
 LANES_INLINE lanes lanes_unit(lanes_root root, lanes v) {
