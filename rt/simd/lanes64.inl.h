@@ -75,8 +75,8 @@ LANES_INLINE lanes64 lanes64_inverse_root(lanes64 normal) {
   return lanes64_min_words_u(y, lanes64_set((int64_t)1 << 31));
 }
 
-/* fx_rsqrt(n, FX_ROOT_FINE), with its m in *m. Undefined where n is 0. */
-LANES_INLINE lanes_root lanes_rsqrt(lanes64 n, lanes *m) {
+/* Zeros before the first bit of n, an even number. Undefined where n is 0. */
+LANES_INLINE lanes lanes64_zeros(lanes64 n) {
   const lanes high = lanes64_high(n);
   const lanes zero = lanes_set(0);
   const lane_mask has_high = lanes_not_equal(high, zero);
@@ -88,9 +88,23 @@ LANES_INLINE lanes_root lanes_rsqrt(lanes64 n, lanes *m) {
     v = lanes_select(more, v, lanes_shl(v, s));
     up = lanes_add(up, lanes_select(more, zero, lanes_set((int32_t)s)));
   }
+  return up;
+}
+
+/* fx_rsqrt(n, FX_ROOT_FINE), with its m in *m. Undefined where n is 0. */
+LANES_INLINE lanes_root lanes_rsqrt(lanes64 n, lanes *m) {
+  const lanes up = lanes64_zeros(n);
   const lanes64 normal = lanes64_shl_by(n, up);
   *m = lanes64_high(normal);
   return (lanes_root){lanes64_low(lanes64_inverse_root(normal)), lanes_sub(lanes_set(31), lanes_asr(up, 1))};
+}
+
+/* fx_root_length() of it, in low words. */
+LANES_INLINE lanes64 lanes64_root_length(lanes64 n) {
+  const lanes up = lanes64_zeros(n);
+  const lanes64 normal = lanes64_shl_by(n, up);
+  return lanes64_shr_by(lanes64_mul_low_u(lanes64_shr(normal, 32), lanes64_inverse_root(normal)),
+                        lanes_add(lanes_asr(up, 1), lanes_set(30)));
 }
 
 LANES_INLINE lanes lanes_unit(lanes_root root, lanes v) {
