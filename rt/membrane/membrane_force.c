@@ -90,12 +90,16 @@ static int force_corotational(const force_view *view, uint32_t t) {
   return is_overstretched(strain);
 }
 
-/* Triangles from *t on that a kernel left: a group of it, or the last of them. Returns 1 iff one is
- * overstretched. */
-static int force_corotational_group(const force_view *view, uint32_t *t, uint32_t count) {
-  const uint32_t end = count - *t > COROTATIONAL_GROUP ? *t + COROTATIONAL_GROUP : count;
+/* Returns 1 iff one is overstretched. */
+static int add_corotational(const fray_world *w, const force_view *view, uint32_t count) {
+  uint32_t group = COROTATIONAL_GROUP;
   int is_held = 0;
-  for (; *t < end; ++*t) is_held |= force_corotational(view, *t);
+  for (uint32_t t = 0; t < count;) {
+    const uint32_t taken = simd_corotational_force(w->kernel, view, t, count);
+    t += taken;
+    group = corotational_group(group, taken);
+    for (uint32_t n = 0; n < group && t < count; ++n) is_held |= force_corotational(view, t++);
+  }
   return is_held;
 }
 #endif
@@ -108,9 +112,9 @@ void membrane_force_add(fray_world *w) {
   uint32_t t = 0;
   int is_held = 0;
 #if FRAY_CRACKS
-  while (t < count && world_is_corotational(w)) {
-    t += simd_corotational_force(w->kernel, &view, t, count);
-    is_held |= force_corotational_group(&view, &t, count);
+  if (world_is_corotational(w)) {
+    is_held = add_corotational(w, &view, count);
+    t = count;
   }
 #endif
   while (t < count) {

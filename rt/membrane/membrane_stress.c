@@ -49,10 +49,14 @@ static void stress_corotational(const fray_world *w, uint32_t t) {
   soften(&w->membrane.stress[t], membrane_softening(w, t));
 }
 
-/* Triangles from *t on that a kernel left: a group of it, or the last of them. */
-static void stress_corotational_group(const fray_world *w, uint32_t *t, uint32_t count) {
-  const uint32_t end = count - *t > COROTATIONAL_GROUP ? *t + COROTATIONAL_GROUP : count;
-  for (; *t < end; ++*t) stress_corotational(w, *t);
+static void update_corotational(const fray_world *w, const stress_view *view, uint32_t count) {
+  uint32_t group = COROTATIONAL_GROUP;
+  for (uint32_t t = 0; t < count;) {
+    const uint32_t taken = simd_corotational_stress(w->kernel, view, t, count);
+    t += taken;
+    group = corotational_group(group, taken);
+    for (uint32_t n = 0; n < group && t < count; ++n) stress_corotational(w, t++);
+  }
 }
 #endif
 
@@ -81,9 +85,9 @@ void membrane_stress_update(fray_world *w) {
   uint32_t t = 0;
   FRAY_ASSERT(count <= w->capacity[POOL_TRIANGLES]);
 #if FRAY_CRACKS
-  while (t < count && world_is_corotational(w)) {
-    t += simd_corotational_stress(w->kernel, &view, t, count);
-    stress_corotational_group(w, &t, count);
+  if (world_is_corotational(w)) {
+    update_corotational(w, &view, count);
+    return;
   }
 #endif
   while (t < count) {
