@@ -24,8 +24,12 @@ typedef struct {
 } pressed_strain;
 
 static pressed_strain pressed_strain_of(int32_t g) {
-  pressed_strain k = {2 * g + STRAIN_ONE / 4, 2 * STRAIN_ONE};
-  if (g <= PRESSED_STRAIN) return k;
+  pressed_strain k;
+  if (g <= PRESSED_STRAIN) {
+    k.counted = 2 * g + STRAIN_ONE / 4;
+    k.slope = 2 * STRAIN_ONE;
+    return k;
+  }
   const uint64_t squared = (uint64_t)((int64_t)STRAIN_ONE + 2 * (int64_t)g) << STRAIN_BITS;
   const fx_root root = fx_rsqrt(squared, FX_ROOT_FINE);
   k.counted = (int32_t)((int64_t)fx_root_length(root) - STRAIN_ONE);
