@@ -89,6 +89,19 @@ static int force_corotational(const force_view *view, uint32_t t) {
   add_stress(view, t, &d, &stress);
   return is_overstretched(strain);
 }
+
+/* Returns 1 iff one is overstretched. */
+static int add_corotational(const fray_world *w, const force_view *view, uint32_t count) {
+  uint32_t group = COROTATIONAL_GROUP;
+  int is_held = 0;
+  for (uint32_t t = 0; t < count;) {
+    const uint32_t taken = simd_corotational_force(w->kernel, view, t, count);
+    t += taken;
+    group = corotational_group(group, taken);
+    for (uint32_t n = 0; n < group && t < count; ++n) is_held |= force_corotational(view, t++);
+  }
+  return is_held;
+}
 #endif
 
 void membrane_force_add(fray_world *w) {
@@ -99,7 +112,10 @@ void membrane_force_add(fray_world *w) {
   uint32_t t = 0;
   int is_held = 0;
 #if FRAY_CRACKS
-  for (; t < count && world_is_corotational(w); ++t) is_held |= force_corotational(&view, t);
+  if (world_is_corotational(w)) {
+    is_held = add_corotational(w, &view, count);
+    t = count;
+  }
 #endif
   while (t < count) {
     t += simd_membrane_force(w->kernel, &view, t, count);

@@ -48,6 +48,16 @@ static void stress_corotational(const fray_world *w, uint32_t t) {
   w->membrane.stress[t] = material_stress(c, counted);
   soften(&w->membrane.stress[t], membrane_softening(w, t));
 }
+
+static void update_corotational(const fray_world *w, const stress_view *view, uint32_t count) {
+  uint32_t group = COROTATIONAL_GROUP;
+  for (uint32_t t = 0; t < count;) {
+    const uint32_t taken = simd_corotational_stress(w->kernel, view, t, count);
+    t += taken;
+    group = corotational_group(group, taken);
+    for (uint32_t n = 0; n < group && t < count; ++n) stress_corotational(w, t++);
+  }
+}
 #endif
 
 static void stress_triangle(const fray_world *w, uint32_t t) {
@@ -75,7 +85,10 @@ void membrane_stress_update(fray_world *w) {
   uint32_t t = 0;
   FRAY_ASSERT(count <= w->capacity[POOL_TRIANGLES]);
 #if FRAY_CRACKS
-  for (; t < count && world_is_corotational(w); ++t) stress_corotational(w, t);
+  if (world_is_corotational(w)) {
+    update_corotational(w, &view, count);
+    return;
+  }
 #endif
   while (t < count) {
     t += simd_membrane_stress(w->kernel, &view, t, count);

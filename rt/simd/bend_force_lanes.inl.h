@@ -50,14 +50,17 @@ LANES_INLINE int bend_normals_lanes_group(const bend_view *v, uint32_t first, ui
   return 1;
 }
 
-/* 2 asin(s). */
-LANES_INLINE lanes bend_force_lanes_angle(lanes s) {
-  const lanes x = bend_force_lanes_mul30(s, s);
-  lanes sum = lanes_add(bend_force_lanes_mul30(lanes_set(BEND_ASIN_4), x), lanes_set(BEND_ASIN_3));
-  sum = lanes_add(bend_force_lanes_mul30(sum, x), lanes_set(BEND_ASIN_2));
-  sum = lanes_add(bend_force_lanes_mul30(sum, x), lanes_set(BEND_ASIN_1));
-  sum = lanes_add(bend_force_lanes_mul30(sum, x), lanes_set(BEND_ASIN_0));
-  return bend_force_lanes_mul30(s, sum);
+LANES_INLINE lanes64 bend_force_lanes_term(lanes64 sum, lanes64 x, int32_t more) {
+  return lanes64_add_words(lanes64_rounded(lanes64_mul_low(sum, x), 30), lanes64_set(more));
+}
+/* 2 asin(s), by low words. */
+LANES_INLINE lanes bend_force_lanes_angle(lanes64 s) {
+  const lanes64 x = bend_force_lanes_term(s, s, 0);
+  lanes64 sum = bend_force_lanes_term(lanes64_set(BEND_ASIN_4), x, BEND_ASIN_3);
+  sum = bend_force_lanes_term(sum, x, BEND_ASIN_2);
+  sum = bend_force_lanes_term(sum, x, BEND_ASIN_1);
+  sum = bend_force_lanes_term(sum, x, BEND_ASIN_0);
+  return lanes64_low(bend_force_lanes_term(s, sum, 0));
 }
 
 LANES_INLINE void bend_force_lanes_normal(const bend_view *v, const uint32_t *place, lanes normal[4]) {
@@ -67,7 +70,7 @@ LANES_INLINE void bend_force_lanes_normal(const bend_view *v, const uint32_t *pl
 }
 
 LANES_INLINE int bend_folds_lanes_group(const bend_view *v, uint32_t first, uint32_t count) {
-  lanes n1[4], n2[4], base[4], opposite[4], up[3], off[3], m;
+  lanes n1[4], n2[4], base[4], opposite[4], up[3], off[3];
   if (count < (uint32_t)LANES) return 0;
   const uint32_t *const one = bend_force_lanes_ids(v, FOLD_FIRST, first);
   const uint32_t *const two = bend_force_lanes_ids(v, FOLD_SECOND, first);
@@ -81,8 +84,7 @@ LANES_INLINE int bend_folds_lanes_group(const bend_view *v, uint32_t first, uint
     off[n] = lanes_asr(lanes_sub(n1[n], n2[n]), 1);
   }
   const lanes64 squared = lanes64_dot(off, off);
-  const lanes_root root = lanes_rsqrt(squared, &m);
-  const lanes size = bend_force_lanes_angle(lanes_root_length(root, m));
+  const lanes size = bend_force_lanes_angle(lanes64_root_length(squared));
   const lane_mask folded =
       mask_and_not(lanes_greater(lanes_and(n1[3], n2[3]), lanes_set(0)), lanes64_less(squared, 1));
   const lane_mask down = lanes64_less(lanes64_dot(up, n1), 1 << 29); /* rounded, it is not above zero */

@@ -53,6 +53,11 @@
 #define wind_lanes_run simd_none
 #endif
 
+#if !defined(LANES_HAVE_64) || !FRAY_CRACKS
+#define corotational_force_lanes_run simd_none
+#define corotational_stress_lanes_run simd_none
+#endif
+
 #define SIMD_DEFINE(set, name, parameters, arguments, ...) \
   uint32_t simd_##name##_##set parameters { return name##_lanes_run arguments; }
 #define SIMD_DEFINE_LOOP(set, name, parameters, arguments) \

@@ -27,9 +27,23 @@ LANES_INLINE lanes lanes64_round(lanes64 v, unsigned s) {
   const lanes64 half = lanes64_set((int64_t)1 << (s - 1u));
   return lanes64_low(lanes64_shr(lanes64_add(v, lanes64_add(lanes64_sign(v), half)), s));
 }
+/* The same in the low words; what is above them is not the sign. */
+LANES_INLINE lanes64 lanes64_rounded(lanes64 v, unsigned s) {
+  const lanes64 half = lanes64_set((int64_t)1 << (s - 1u));
+  return lanes64_shr(lanes64_add(v, lanes64_add(lanes64_sign(v), half)), s);
+}
+/* v >= 0 */
+LANES_INLINE lanes64 lanes64_rounded_u(lanes64 v, unsigned s) {
+  return lanes64_shr(lanes64_add(v, lanes64_set((int64_t)1 << (s - 1u))), s);
+}
 LANES_INLINE lanes64 lanes64_dot(const lanes a[3], const lanes b[3]) {
   return lanes64_add(lanes64_add(lanes64_mul(a[0], b[0]), lanes64_mul(a[1], b[1])),
                      lanes64_mul(a[2], b[2]));
+}
+/* Of low words. */
+LANES_INLINE lanes64 lanes64_dot_low(const lanes64 a[3], const lanes64 b[3]) {
+  return lanes64_add(lanes64_add(lanes64_mul_low(a[0], b[0]), lanes64_mul_low(a[1], b[1])),
+                     lanes64_mul_low(a[2], b[2]));
 }
 /* (a x b) 2^-bits, rounded. */
 LANES_INLINE void lanes64_cross(const lanes a[3], const lanes b[3], unsigned bits, lanes product[3]) {
@@ -45,15 +59,24 @@ typedef struct {
   lanes inverse, h;
 } lanes_root;
 
-LANES_INLINE lanes lanes_newton(lanes m, lanes y) {
-  const lanes squared = lanes64_low(lanes64_shr(lanes64_mul_u(y, y), 31));
-  const lanes unity = lanes64_low(lanes64_shr(lanes64_mul_u(m, squared), 30));
-  const lanes short_of = lanes_sub(lanes_set(INT32_MIN), unity);
-  return lanes_add(y, lanes64_high(lanes64_mul(y, short_of)));
+/* The inverse of fx_rsqrt(n, FX_ROOT_FINE) by n 2^lz, whose high words are its m. Words above are 0. */
+LANES_INLINE lanes64 lanes64_inverse_root(lanes64 normal) {
+  const lanes64 m = lanes64_shr(normal, 32);
+  const lanes64 slope = lanes64_select_negative(normal, lanes64_set(217931629), lanes64_set(616403730));
+  const lanes64 from = lanes64_select_negative(normal, lanes64_set(1922456487), lanes64_set(2716337504));
+  lanes64 y = lanes64_sub(from, lanes64_shr(lanes64_mul_low_u(m, slope), 30));
+  LANES_UNROLL
+  for (int step = 0; step < FX_ROOT_FINE; ++step) {
+    const lanes64 squared = lanes64_shr(lanes64_mul_low_u(y, y), 31);
+    const lanes64 unity = lanes64_shr(lanes64_mul_low_u(m, squared), 30);
+    const lanes64 short_of = lanes64_sub(lanes64_set((int64_t)1 << 31), unity);
+    y = lanes64_add_words(y, lanes64_shr(lanes64_mul_low(y, short_of), 32));
+  }
+  return lanes64_min_words_u(y, lanes64_set((int64_t)1 << 31));
 }
 
-/* fx_rsqrt(n, FX_ROOT_FINE), with its m in *m. Undefined where n is 0. */
-LANES_INLINE lanes_root lanes_rsqrt(lanes64 n, lanes *m) {
+/* Zeros before the first bit of n, an even number. Undefined where n is 0. */
+LANES_INLINE lanes lanes64_zeros(lanes64 n) {
   const lanes high = lanes64_high(n);
   const lanes zero = lanes_set(0);
   const lane_mask has_high = lanes_not_equal(high, zero);
@@ -65,16 +88,23 @@ LANES_INLINE lanes_root lanes_rsqrt(lanes64 n, lanes *m) {
     v = lanes_select(more, v, lanes_shl(v, s));
     up = lanes_add(up, lanes_select(more, zero, lanes_set((int32_t)s)));
   }
-  *m = lanes64_high(lanes64_shl_by(n, up));
-  const lanes slope_low = lanes64_low(lanes64_shr(lanes64_mul_u(*m, lanes_set(616403730)), 30));
-  const lanes slope_high = lanes64_low(lanes64_shr(lanes64_mul_u(*m, lanes_set(217931629)), 30));
-  const lanes low = lanes_sub(lanes_set((int32_t)2716337504u), slope_low);
-  const lanes high_y = lanes_sub(lanes_set((int32_t)1922456487u), slope_high);
-  lanes y = lanes_select(lanes_negative(*m), high_y, low);
-  y = lanes_newton(*m, lanes_newton(*m, lanes_newton(*m, y)));
-  /* at most 2^31 */
-  y = lanes_select(lanes_negative(y), lanes_set(INT32_MIN), y);
-  return (lanes_root){y, lanes_sub(lanes_set(31), lanes_asr(up, 1))};
+  return up;
+}
+
+/* fx_rsqrt(n, FX_ROOT_FINE), with its m in *m. Undefined where n is 0. */
+LANES_INLINE lanes_root lanes_rsqrt(lanes64 n, lanes *m) {
+  const lanes up = lanes64_zeros(n);
+  const lanes64 normal = lanes64_shl_by(n, up);
+  *m = lanes64_high(normal);
+  return (lanes_root){lanes64_low(lanes64_inverse_root(normal)), lanes_sub(lanes_set(31), lanes_asr(up, 1))};
+}
+
+/* fx_root_length() of it, in low words. */
+LANES_INLINE lanes64 lanes64_root_length(lanes64 n) {
+  const lanes up = lanes64_zeros(n);
+  const lanes64 normal = lanes64_shl_by(n, up);
+  return lanes64_shr_by(lanes64_mul_low_u(lanes64_shr(normal, 32), lanes64_inverse_root(normal)),
+                        lanes_add(lanes_asr(up, 1), lanes_set(30)));
 }
 
 LANES_INLINE lanes lanes_unit(lanes_root root, lanes v) {
@@ -104,6 +134,12 @@ LANES_INLINE lanes lanes_scale_unit(lanes unit, lanes length) {
 /* ORs the magnitude of v (~v below zero) into `far`: its top bit bounds every value seen. */
 LANES_INLINE lanes64 lanes64_or_size(lanes64 far, lanes64 v) {
   return lanes64_or(far, lanes64_xor(v, lanes64_sign(v)));
+}
+/* a b + c d of low words, rounded; its size goes into `far`. */
+LANES_INLINE lanes64 lanes64_dot2(lanes64 *far, lanes64 a, lanes64 b, lanes64 c, lanes64 d, unsigned bits) {
+  const lanes64 sum = lanes64_add(lanes64_mul_low(a, b), lanes64_mul_low(c, d));
+  *far = lanes64_or_size(*far, sum);
+  return lanes64_rounded(sum, bits);
 }
 /* Whether any value seen was outside of +-2^bits. */
 LANES_INLINE int lanes64_any_beyond(lanes64 far, unsigned bits) {

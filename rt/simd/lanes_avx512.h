@@ -173,15 +173,45 @@ LANES_INLINE lanes64 lanes64_xor(lanes64 a, lanes64 b) {
 LANES_INLINE lanes64 lanes64_from(lanes v) { return (lanes64){lanes_even(v), lanes_odd(v)}; }
 LANES_INLINE lanes lanes_and(lanes a, lanes b) { return _mm512_and_si512(a, b); }
 
+/* Of low words, where what is above them may be anything. */
+LANES_INLINE lanes64 lanes64_words(lanes v) { return (lanes64){v, lanes_odd(v)}; }
+LANES_INLINE lanes64 lanes64_mul_low(lanes64 a, lanes64 b) {
+  return (lanes64){_mm512_mul_epi32(a.even, b.even), _mm512_mul_epi32(a.odd, b.odd)};
+}
+LANES_INLINE lanes64 lanes64_mul_low_u(lanes64 a, lanes64 b) {
+  return (lanes64){_mm512_mul_epu32(a.even, b.even), _mm512_mul_epu32(a.odd, b.odd)};
+}
+/* Word by word, high ones too. */
+LANES_INLINE lanes64 lanes64_add_words(lanes64 a, lanes64 b) {
+  return (lanes64){_mm512_add_epi32(a.even, b.even), _mm512_add_epi32(a.odd, b.odd)};
+}
+LANES_INLINE lanes64 lanes64_asr_words(lanes64 v, unsigned s) {
+  return (lanes64){_mm512_srai_epi32(v.even, s), _mm512_srai_epi32(v.odd, s)};
+}
+LANES_INLINE lanes64 lanes64_min_words_u(lanes64 a, lanes64 b) {
+  return (lanes64){_mm512_min_epu32(a.even, b.even), _mm512_min_epu32(a.odd, b.odd)};
+}
+LANES_INLINE lanes64 lanes64_shr_by64(lanes64 v, lanes64 s) {
+  return (lanes64){_mm512_srlv_epi64(v.even, s.even), _mm512_srlv_epi64(v.odd, s.odd)};
+}
+LANES_INLINE lanes64 lanes64_shl_by64(lanes64 v, lanes64 s) {
+  return (lanes64){_mm512_sllv_epi64(v.even, s.even), _mm512_sllv_epi64(v.odd, s.odd)};
+}
+/* `yes` where `which` is negative. */
+LANES_INLINE lanes64 lanes64_select_negative(lanes64 which, lanes64 yes, lanes64 no) {
+  return (lanes64){_mm512_mask_blend_epi64(_mm512_movepi64_mask(which.even), no.even, yes.even),
+                   _mm512_mask_blend_epi64(_mm512_movepi64_mask(which.odd), no.odd, yes.odd)};
+}
+
 LANES_INLINE __m128i lanes_record(const int32_t *record) {
   return _mm_loadu_si128((const __m128i *)(const void *)record);
 }
 /* Four words of each of the records at[0], at[4], at[8], at[12], `words` apart, side by side. */
 LANES_INLINE lanes lanes_load_records(const int32_t *from, uint32_t words, const uint32_t *at) {
-  const __m512i one = _mm512_castsi128_si512(lanes_record(from + words * at[0]));
-  const __m512i two = _mm512_inserti32x4(one, lanes_record(from + words * at[4]), 1);
-  const __m512i three = _mm512_inserti32x4(two, lanes_record(from + words * at[8]), 2);
-  return _mm512_inserti32x4(three, lanes_record(from + words * at[12]), 3);
+  const __m512i one = _mm512_castsi128_si512(lanes_record(from + (size_t)words * at[0]));
+  const __m512i two = _mm512_inserti32x4(one, lanes_record(from + (size_t)words * at[4]), 1);
+  const __m512i three = _mm512_inserti32x4(two, lanes_record(from + (size_t)words * at[8]), 2);
+  return _mm512_inserti32x4(three, lanes_record(from + (size_t)words * at[12]), 3);
 }
 /* In every four lanes: a0 b0 a1 b1, or a2 b2 a3 b3. */
 LANES_INLINE lanes lanes_unpack_low(lanes a, lanes b) { return _mm512_unpacklo_epi32(a, b); }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Scalar twins: rt/membrane/membrane_stress.c, the part of a tick, and rt/state/material.c, same order of
- * operations. Stiffness and stress of triangles, LANES at a time. Groups with a strain beyond 1/2, or with
- * a triangle that tearing left too low, are left to the scalar code. */
+ * operations. Stiffness and stress of triangles, LANES at a time, by either law. Groups with a strain beyond
+ * 1/2, or 2 of an isotropic sheet, or with a triangle that tearing left too low, are left to the scalar
+ * code. */
 #ifndef FRAY_SIMD_MEMBRANE_STRESS_LANES_INL_H
 #define FRAY_SIMD_MEMBRANE_STRESS_LANES_INL_H
 
@@ -40,7 +41,8 @@ LANES_INLINE int membrane_stress_lanes_is_whole(const lanes r[4], int32_t norm2_
   return mask_bits(mask_or(beyond, lanes64_negative(room))) == 0;
 }
 
-LANES_INLINE int membrane_stress_lanes_strain(const stress_view *v, uint32_t first,
+/* Returns 0 where a triangle is softened, or a strain has more than `bits` before it is rounded. */
+LANES_INLINE int membrane_stress_lanes_strain(const stress_view *v, uint32_t first, unsigned bits,
                                               membrane_stress_lanes *s) {
   uint32_t id[3][LANES];
   lanes r[4], u[3], w[3];
@@ -67,7 +69,7 @@ LANES_INLINE int membrane_stress_lanes_strain(const stress_view *v, uint32_t fir
   s->uu = lanes64_round(uu, STRAIN_BITS + 1);
   s->vv = lanes64_round(vv, STRAIN_BITS + 1);
   s->uv = lanes64_round(uv, STRAIN_BITS);
-  return !lanes64_any_beyond(far, MEMBRANE_STRESS_LANES_STRAIN + STRAIN_BITS);
+  return !lanes64_any_beyond(far, bits);
 }
 
 LANES_INLINE lanes membrane_stress_lanes_lowpass(lanes mean, lanes to, unsigned shift) {
@@ -189,7 +191,7 @@ LANES_INLINE void membrane_stress_lanes_store(int32_t *to, uint32_t words, const
 LANES_INLINE int membrane_stress_lanes_group(const stress_view *v, uint32_t first) {
   membrane_stress_lanes s;
   lanes c[4], poles[SMOOTHED_STRAIN_POLES][3];
-  if (!membrane_stress_lanes_strain(v, first, &s)) return 0;
+  if (!membrane_stress_lanes_strain(v, first, MEMBRANE_STRESS_LANES_STRAIN + STRAIN_BITS, &s)) return 0;
   lanes strain[3] = {s.uu, s.vv, s.uv};
   membrane_stress_lanes_smooth(v, &s, strain, poles);
   if (!membrane_stress_lanes_look_up(&s, strain)) return 0;
@@ -217,6 +219,29 @@ LANES_INLINE uint32_t membrane_stress_lanes_run(const stress_view *v, uint32_t f
   while (end - at >= (uint32_t)LANES && membrane_stress_lanes_group(v, at)) at += (uint32_t)LANES;
   return at - first;
 }
+
+#if FRAY_CRACKS
+LANES_INLINE int corotational_stress_lanes_group(const stress_view *v, uint32_t first) {
+  membrane_stress_lanes s;
+  uint32_t of[LANES];
+  lanes c[4], stress[3];
+  if (!membrane_stress_lanes_strain(v, first, COROTATIONAL_LANES_STRAIN, &s)) return 0;
+  for (uint32_t n = 0; n < (uint32_t)LANES; ++n) of[n] = MATERIAL_WORDS * v->material[s.of[n]];
+  record_lanes_load(v->materials->stretch[0], 1, of, c);
+  const lanes strain[3] = {s.uu, s.vv, s.uv};
+  corotational_lanes_tension_of(c, strain, stress);
+  record_lanes_store(v->gains[first].c, c);
+  membrane_stress_lanes_store(&v->stress[first].uu, sizeof(material_tensor) / 4, stress);
+  return 1;
+}
+
+LANES_INLINE uint32_t corotational_stress_lanes_run(const stress_view *v, uint32_t first, uint32_t end) {
+  FRAY_ASSERT(first <= end);
+  uint32_t at = first;
+  while (end - at >= (uint32_t)LANES && corotational_stress_lanes_group(v, at)) at += (uint32_t)LANES;
+  return at - first;
+}
+#endif
 #endif
 
 #endif

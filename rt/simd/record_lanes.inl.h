@@ -40,7 +40,7 @@ LANES_INLINE void record_lanes_add(int32_t *to, const uint32_t at[LANES], uint32
   int32_t words[4][LANES];
   record_lanes_spread(word, words);
   for (uint32_t n = 0; n < count; ++n) {
-    __m128i *record = (__m128i *)(void *)(to + 4u * at[n]);
+    __m128i *record = (__m128i *)(void *)(to + (size_t)4 * at[n]);
     const __m128i more = _mm_loadu_si128((const __m128i *)(const void *)&words[n % 4u][n & ~3u]);
     _mm_storeu_si128(record, _mm_add_epi32(_mm_loadu_si128(record), more));
   }
@@ -62,16 +62,14 @@ LANES_INLINE lanes lanes_difference(const int32_t *at, const uint32_t from[LANES
   return lanes_clamp(lanes_sub(lanes_gather(at, to), lanes_gather(at, from)), most);
 }
 
-/* NAME_lanes_run(): groups of LANES from `first` on, until one is left to the scalar code. */
+/* NAME_lanes_run(): groups of LANES from `first` on, until one is left to the scalar code. The code of whole
+ * groups has no counts in it. */
 #define LANES_RUN_GROUPS(name, view, group) \
   LANES_INLINE uint32_t name(const view *v, uint32_t first, uint32_t end) { \
     FRAY_ASSERT(first <= end); \
     uint32_t at = first; \
-    while (at < end) { \
-      const uint32_t count = end - at < (uint32_t)LANES ? end - at : (uint32_t)LANES; \
-      if (!group(v, at, count)) break; \
-      at += count; \
-    } \
+    while (end - at >= (uint32_t)LANES && group(v, at, (uint32_t)LANES)) at += (uint32_t)LANES; \
+    if (at < end && end - at < (uint32_t)LANES && group(v, at, end - at)) at = end; \
     return at - first; \
   }
 #endif

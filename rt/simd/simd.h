@@ -54,11 +54,13 @@
   /* crossings first..end-1 of one colour: no two share a particle */ \
   /* triangles first..end-1, once a tick */ \
   X(set, membrane_stress, (const stress_view *v, uint32_t first, uint32_t end), (v, first, end)) \
+  X(set, corotational_stress, (const stress_view *v, uint32_t first, uint32_t end), (v, first, end)) \
   X(set, wind, (const wind_view *v, uint32_t first, uint32_t end), (v, first, end)) \
   X(set, bend_stiffness, (const plate_view *v, uint32_t first, uint32_t end), (v, first, end)) \
   X(set, bend_geometry, (const plate_view *v, uint32_t first, uint32_t end), (v, first, end)) \
   /* triangles, folds, vertices first..end-1 in an elastic step */ \
   X(set, membrane_force, (const force_view *v, uint32_t first, uint32_t end), (v, first, end)) \
+  X(set, corotational_force, (const force_view *v, uint32_t first, uint32_t end), (v, first, end)) \
   X(set, bend_normals, (const bend_view *v, uint32_t first, uint32_t end), (v, first, end)) \
   X(set, bend_folds, (const bend_view *v, uint32_t first, uint32_t end), (v, first, end)) \
   X(set, bend_moments, (const bend_view *v, uint32_t first, uint32_t end), (v, first, end)) \

@@ -2,12 +2,15 @@
 /* Inner steps of membranes, and what a tick works out for them: every kernel that this machine has
  * against the scalar code, to the last bit. Irregular meshes; vertices where the sheet has them and thrown
  * together, in a plane, on a line, at one point, apart by the size of the world; gains, weights, folds, loads and speeds of their own and
- * any. All that kernels read and write ends where the next page faults.
+ * any. The law of isotropic sheets also on triangles drawn one by one. All that kernels read and write ends where the next page faults.
  *
  *   test_simd_membrane [ROWS]     triangles, 2,000,000 unless told, a tenth under sanitizers */
 #define _DEFAULT_SOURCE 1 /* mmap without a file */
 #include "tests/lib/test.h"
 
+#include <math.h>
+
+#include "rt/membrane/corotational.h"
 #include "rt/membrane/membrane.h"
 #include "rt/tick/tick.h"
 #include "rt/simd/simd.h"
@@ -154,8 +157,20 @@ static void throw_gains(const fray_world *w, int steep) {
   }
 }
 
+static void print_isotropic(fixture *f) {
+  fixture_print(f, "scene isotropic\nrate 1000 Hz\nmembrane {\n columns %u\n rows %u\n cell 1 cm\n pattern irregular "
+                   "%u\n material foil\n drag %u /s\n}\npin column left\nmaterial foil {\n density 200 g/m2\n"
+                   " young %u MPa\n poisson 0.%u\n thickness 0.5 mm\n breaks 10 MPa\n average 4 cm\n"
+                   " tear_interval 10 ms\n bend all 8 uNm\n}\n",
+                3 + draw_below(10), 2 + draw_below(7), 1 + draw_below(9), draw_below(3), 1 + draw_below(4), 1 + draw_below(4));
+}
+
 static void make_sheet(fixture *f) {
   static const char *const cloths[] = {"denim", "pants", "t-shirt", "paper"};
+  if (draw_below(4) == 0) {
+    print_isotropic(f);
+    return;
+  }
   fixture_print(f, "scene sheets\nrate 1000 Hz\nmembrane {\n columns %u\n rows %u\n cell 1 cm\n pattern irregular "
                    "%u\n material %s\n drag %u /s\n}\npin column left\nwind %u 1 %u m/s\n",
                 3 + draw_below(10), 2 + draw_below(7), 1 + draw_below(9), cloths[draw_below(4)], draw_below(3), draw_below(9), draw_below(3));
@@ -199,7 +214,21 @@ static void prepare(fray_world *w, const positions *from, fray_kernel kernel) {
 /* Of triangles, as they are now: those before the first that is left to the scalar code. */
 static uint64_t taken_of(const fray_world *w) {
   const force_view view = {w->membrane.positions, w->membrane.impulse, w->trimesh.triangle, w->trimesh.weights, w->membrane.gains, w->membrane.strain_threshold};
-  return simd_membrane_force(w->kernel, &view, 0, (uint32_t)w->trimesh.state->triangles);
+  const uint32_t triangles = (uint32_t)w->trimesh.state->triangles;
+  return world_is_corotational(w) ? simd_corotational_force(w->kernel, &view, 0, triangles)
+                                  : simd_membrane_force(w->kernel, &view, 0, triangles);
+}
+
+/* Of drawn triangles: all that it takes. */
+static uint64_t drawn_taken_of(const fray_world *w) {
+  const force_view view = {w->membrane.positions, w->membrane.impulse, w->trimesh.triangle, w->trimesh.weights, w->membrane.gains, w->membrane.strain_threshold};
+  uint64_t sum = 0;
+  for (uint32_t t = 0; t < triangles_in_use(w); t += COROTATIONAL_GROUP) {
+    const uint32_t taken = simd_corotational_force(w->kernel, &view, t, triangles_in_use(w));
+    sum += taken;
+    t += taken;
+  }
+  return sum;
 }
 
 /* Of folds in the same way. */
@@ -279,8 +308,121 @@ static void sheets_are_as_scalar(void) {
   }
 }
 
+/* A principal stretch: any, at rest, near 1/2, where the law turns over, none, up to beyond STRAIN_MAX. */
+static double draw_stretch(uint32_t kind) {
+  const double share = (double)draw_word() / 4294967296.0;
+  switch (kind) {
+    case 0: return 1;
+    case 1: return 0.5 + (share - 0.5) * exp2(-(double)draw_below(28));
+    case 2: return 0.5 * share;
+    case 3: return 0;
+    case 4: return 1.9 + 0.3 * share; /* where kernels end */
+    case 5: return 3 + (share - 0.5) * exp2(-(double)draw_below(28));
+    case 6: return 4 * share;
+    default: return 1 + (share - 0.5) * exp2(-(double)draw_below(10));
+  }
+}
+
+/* Corners 1 and 2 beside corner 0, by weights of U and V alone: U = d1 / scale, V = d2 / scale. */
+static void draw_triangle(fray_world *w, uint32_t first, double scale, uint32_t usual, uint32_t rare) {
+  const double a = draw_stretch(draw_below(rare) == 0 ? draw_below(7) : usual);
+  const double b = draw_below(8) == 0 ? a : draw_stretch(draw_below(rare) == 0 ? draw_below(7) : usual);
+  const double turn = draw_below(6) == 0 ? 0 : (double)draw_word() / 4294967296.0 * 6.283185307179586;
+  const double tilt = draw_below(3) == 0 ? 0 : (double)draw_word() / 4294967296.0 * 6.283185307179586;
+  const double uu = a * cos(turn) * cos(turn) + b * sin(turn) * sin(turn);
+  const double vv = b * cos(turn) * cos(turn) + a * sin(turn) * sin(turn);
+  const double uv = (a - b) * cos(turn) * sin(turn);
+  const double d[2][3] = {{uu * cos(tilt), uv, uu * sin(tilt)}, {uv * cos(tilt), vv, uv * sin(tilt)}};
+  int32_t *const x[3] = {w->p.x, w->p.y, w->p.z};
+  const int is_whole = draw_below(4) == 0;
+  for (uint32_t n = 0; n < 3; ++n) {
+    const int32_t at = (int32_t)draw_below(1u << 28);
+    for (uint32_t k = 0; k < 3; ++k) {
+      elastic_position *place = &w->membrane.positions[first + k];
+      place->at[n] = at + (k == 0 ? 0 : (int32_t)lrint(d[k - 1][n] * scale * STRAIN_ONE));
+      x[n][first + k] = place->at[n] >> FX_SUB_BITS;
+      if (n == 0) place->low_bits = 0;
+      if (!is_whole) place->low_bits |= (int32_t)draw_below(4) << 8u * n;
+    }
+  }
+}
+
+/* All triangles by threes of vertices, each with a stiffness of its own. */
+static void draw_triangles(fray_world *w) {
+  const uint32_t threes = w->p.count / 3u;
+  const uint32_t usual = draw_below(9);
+  const uint32_t rare = draw_below(2) == 0 ? 4 : 200;
+  const uint32_t of_gains = 4 + draw_below(27);
+  const unsigned up = draw_below(3);
+  for (uint32_t k = 0; k < threes; ++k) draw_triangle(w, 3u * k, up == 0 ? 1 : up == 1 ? 0.5 : 0.25, usual, rare);
+  for (uint32_t t = 0; t < triangles_in_use(w); ++t) {
+    const int32_t stiff = natural(of_gains) >> 1;
+    const int32_t across = (int32_t)draw_below(1u + (uint32_t)stiff / 2u);
+    const int32_t one = (1 << TRIMESH_WEIGHT_BITS) << up;
+    for (uint32_t k = 0; k < 3; ++k) w->trimesh.triangle[t].v[k] = (index_t)(3u * (t % threes) + k);
+    w->trimesh.weights[t] = (trimesh_weights){one, 0, 0, one};
+    w->membrane.gains[t] = (membrane_gain){{stiff, across, stiff, (stiff - across) / 2}};
+    if (draw_below(20) == 0)
+      for (uint32_t n = 0; n < MATERIAL_ENTRIES; ++n) w->membrane.gains[t].c[n] = some(31);
+  }
+}
+
+/* Impulses of a step and the stress of a tick, from what `a` holds first. Returns the faults. */
+static int32_t find_stress(fray_world *w, const arrays *a, fray_kernel kernel) {
+  fray_set_kernel(w, kernel);
+  put(a);
+  w->state->faults = 0;
+  membrane_force_add(w);
+  membrane_stress_update(w);
+  return w->state->faults;
+}
+
+static void drawn_triangles_are_as_scalar(void) {
+  fray_kernel kernels[SIMD_KERNELS];
+  const uint32_t count = simd_kernels(kernels);
+  uint64_t different[SIMD_KERNELS] = {0};
+  uint64_t taken[SIMD_KERNELS] = {0};
+  uint64_t rows = 0;
+  uint64_t overstretched = 0;
+  while (rows < rows_asked) {
+    fixture_scoped f = {0};
+    print_isotropic(&f);
+    fray_world *w = f.w;
+    fixture_tick(&f, &fixture_idle);
+    CHECK(world_is_corotational(w));
+    membrane_params *constants = (membrane_params *)(uintptr_t)w->membrane.constants;
+    arrays a;
+    move_all(&a, w);
+    for (uint32_t round = 0; round < ROUNDS; ++round) {
+      constants->norm2_max = draw_below(4) == 0 ? 1 << 12 : INT32_MAX; /* all softened, or none */
+      draw_triangles(w);
+      keep(&a, a.first);
+      const int32_t faults = find_stress(w, &a, FRAY_KERNEL_SCALAR);
+      overstretched += (faults & FRAY_FAULT_OVERSTRETCHED) != 0;
+      keep(&a, a.found);
+      for (uint32_t k = 0; k < count; ++k) {
+        different[k] += find_stress(w, &a, kernels[k]) != faults;
+        different[k] += !is_found(&a);
+        put(&a);
+        taken[k] += drawn_taken_of(w);
+      }
+      rows += triangles_in_use(w);
+    }
+    free_all(&a);
+  }
+  for (uint32_t k = 0; k < count; ++k) {
+    printf("figure drawn_triangles_as_scalar_%s %llu triangles, %.0f %% taken at once, sheets that differ %llu (asked: 0)\n",
+           simd_kernel_names[kernels[k]], (unsigned long long)rows, 100.0 * (double)taken[k] / (double)rows,
+           (unsigned long long)different[k]);
+    CHECK_EQ_INT(different[k], 0);
+    CHECK(taken[k] > rows / 4);
+  }
+  CHECK(overstretched > 0);
+}
+
 int main(int argc, char **argv) {
   if (argc > 1) rows_asked = strtoull(argv[1], NULL, 10);
   TEST(sheets_are_as_scalar);
+  TEST(drawn_triangles_are_as_scalar);
   return test_end();
 }
