@@ -2,7 +2,7 @@
 #include "rt/state/yarn_touch.h"
 
 vec3 yarn_touch_gap(const yarn_touch *touch, const yarn_contact *c) {
-  const vec3 warp = touch->spot[FRAY_WARP].at; /* curves leave the world by a little: the difference is wide */
+  const vec3 warp = touch->spot[FRAY_WARP].at; /* curves leave the world by a little: wide differences */
   const vec3 weft = touch->spot[FRAY_WEFT].at;
   const vec3 apart = vec_make(fx_clamp_wide((int64_t)warp.x - weft.x, YARN_GAP_MAX),
                               fx_clamp_wide((int64_t)warp.y - weft.y, YARN_GAP_MAX),
