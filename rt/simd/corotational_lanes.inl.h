@@ -10,7 +10,7 @@
 
 #if defined(LANES_HAVE_64) && FRAY_CRACKS
 enum {
-  COROTATIONAL_LANES_STRAIN = 58, /* before it is rounded: C is at most 5, what follows from it fits 32 bits */
+  COROTATIONAL_LANES_STRAIN = 58, /* before it is rounded: C is at most 5, all of it fits 32 bits */
   COROTATIONAL_LANES_STRESS = 57, /* of T, in the same way: S, at most three times that, fits 32 bits */
   COROTATIONAL_LANES_DET = 5, COROTATIONAL_LANES_TRACE = 3 /* pairs of zeros before the first bit */
 };
