@@ -10,7 +10,7 @@
 
 #if defined(LANES_HAVE_64) && FRAY_CRACKS
 enum {
-  COROTATIONAL_LANES_STRAIN = 58, /* before it is rounded: C is at most 5, all of it fits 32 bits */
+  COROTATIONAL_LANES_STRAIN = 58, /* before it is rounded: C is at most 5, what follows fits 32 bits */
   COROTATIONAL_LANES_STRESS = 57, /* of T, in the same way: S, at most three times that, fits 32 bits */
   COROTATIONAL_LANES_DET = 5, COROTATIONAL_LANES_TRACE = 3 /* pairs of zeros before the first bit */
 };
@@ -118,7 +118,7 @@ LANES_INLINE uint32_t corotational_lanes_left(const corotational_lanes_stretch *
 
 /* S or T of lanes in `left`, from the scalar code. */
 LANES_INLINE void corotational_lanes_one_by_one(const lanes c[4], const corotational_lanes_c *k,
-                                               uint32_t left, int is_counted, lanes s[3]) {
+                                                uint32_t left, int is_counted, lanes s[3]) {
   int32_t stiffness[MATERIAL_ENTRIES][LANES], strain[3][LANES], stress[3][LANES];
   const lanes one = lanes_set(STRAIN_ONE);
   lanes_store(strain[0], lanes_asr(lanes_sub(lanes64_low(k->uu), one), 1));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Scalar twin: rt/membrane/membrane_force.c, same order of operations. Forces of triangles, LANES at a time,
  * by either law; groups in which a value would be clamped, or to which membrane/strain_law.h applies, are
- * left to the scalar code. Most values stay in the low words of 64-bit lanes, as they are multiplied next. */
+ * left to the scalar code. Most values stay in low words of 64-bit lanes, as they are multiplied next. */
 #ifndef FRAY_SIMD_MEMBRANE_FORCE_LANES_INL_H
 #define FRAY_SIMD_MEMBRANE_FORCE_LANES_INL_H
 
