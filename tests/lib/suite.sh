@@ -22,8 +22,10 @@ refutes() { # WHAT COMMAND...: one check, of what must not hold
   shift
   if "$@"; then fail "$claim"; else pass; fi
 }
+# A failure where CI=true: .ci/run installs it all. A processor it cannot install.
 not_run() { # WHAT PACKAGE
   echo "not run: $1 needs $2"
+  case $2 in "a processor "*) return ;; esac
   if [ "${CI:-}" = true ] && [ "${FRAY_LOCAL:-0}" != 1 ]; then fail "$1: $2 is missing"; fi
 }
 has_target() { # MACHINE WHAT: whether target.sh can build and run it; else says so
