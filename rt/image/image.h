@@ -32,7 +32,7 @@ enum {
   IMAGE_CRC_FROM = 4 * (IMAGE_CRC_WORD + 1)
 };
 /* Features: ids are 16 bits wide (no row, particle or triangle number needs more); the membrane is isotropic,
- * by the law of membrane/corotational.h; it breaks; hands move handles. All but the first need version 3.1.
+ * by the law of state/corotational.h; it breaks; hands move handles. All but the first need version 3.1.
  */
 enum { IMAGE_SHORT_IDS = 1, IMAGE_COROTATIONAL = 2, IMAGE_CRACKS = 4, IMAGE_HANDLES = 8 };
 _Static_assert(IMAGE_CAPACITY_WORD + POOLS_IN_HEADER == IMAGE_HEADER_WORDS, "capacities fit the header");

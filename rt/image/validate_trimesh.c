@@ -28,7 +28,7 @@ static int counts_good(const fray_world *w, fray_error *error) {
   return 1;
 }
 
-/* So that the law of membrane/corotational.h has an energy. */
+/* So that the law of state/corotational.h has an energy. */
 static int is_isotropic(const material_table *f) {
   const int32_t *c = f->stretch[0];
   for (uint32_t r = 0; r < MATERIAL_ROWS; ++r)

@@ -12,7 +12,7 @@
  * Corners 1 and 2 get their impulses, corner 0 the opposite of both, so the sum is zero to the last bit. An
  * impulse of a corner is held to 2^26 - 2^22: those of 16 triangles fit 32 bits, with as much as bending and
  * the wind may add. */
-#include "rt/membrane/corotational.h"
+#include "rt/state/corotational.h"
 #include "rt/membrane/membrane.h"
 #include "rt/membrane/strain_law.h"
 #include "rt/simd/simd.h"

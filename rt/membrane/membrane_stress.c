@@ -10,7 +10,7 @@
  * (Karaoz 2015.) Of an isotropic sheet it is T of corotational.h. c stays in `gains` until
  * membrane_gains_update() makes gains of it, with which membrane_force.c computes the force in each
  * elastic step. */
-#include "rt/membrane/corotational.h"
+#include "rt/state/corotational.h"
 #include "rt/membrane/membrane.h"
 #include "rt/simd/simd.h"
 #include "rt/state/deformation.h"

@@ -10,7 +10,7 @@
 #include "rt/membrane/snap_balance.h"
 
 #include "rt/base/wide.h"
-#include "rt/membrane/corotational.h"
+#include "rt/state/corotational.h"
 #include "rt/membrane/membrane.h"
 #include "rt/state/deformation.h"
 

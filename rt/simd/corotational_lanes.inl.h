@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Scalar twin: rt/membrane/corotational.c, same order of operations. The law of isotropic sheets, LANES
+/* Scalar twin: rt/state/corotational.c, same order of operations. The law of isotropic sheets, LANES
  * triangles at a time, in the low words of 64-bit lanes. Triangles that are pressed, or whose stress would be
  * clamped, are left to the scalar code, one by one. */
 #ifndef FRAY_SIMD_COROTATIONAL_LANES_INL_H
 #define FRAY_SIMD_COROTATIONAL_LANES_INL_H
 
-#include "rt/membrane/corotational.h"
+#include "rt/state/corotational.h"
 #include "rt/simd/lanes64.inl.h"
 
 #if defined(LANES_HAVE_64) && FRAY_CRACKS

@@ -4,7 +4,7 @@
  * energy. `all`: swings for 60 s. */
 #include "tests/lib/test.h"
 
-#include "rt/membrane/corotational.h"
+#include "rt/state/corotational.h"
 #include "rt/membrane/membrane.h"
 #include "tests/lib/energy_account.h"
 #include "tests/lib/world_fixture.h"

@@ -10,7 +10,7 @@
 
 #include <math.h>
 
-#include "rt/membrane/corotational.h"
+#include "rt/state/corotational.h"
 #include "rt/membrane/membrane.h"
 #include "rt/tick/tick.h"
 #include "rt/simd/simd.h"

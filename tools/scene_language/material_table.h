@@ -32,7 +32,7 @@ typedef struct {
   exact tear_interval;                  /* s */
   int has_cut_speed;                    /* blades cut it ... */
   exact cut_speed;                      /* ... at this speed or faster, cm/s */
-  int corotational;                     /* isotropic, by membrane/corotational.h: */
+  int corotational;                     /* isotropic, by state/corotational.h: */
   exact young, poisson, thickness;      /* N/m2, ratio, cm; stretch follows from them */
   exact breaks;                         /* N/m2; 0: never */
   exact average;                        /* cm; 0: the least there is */

@@ -14,8 +14,8 @@
  *
  *   U - 1, G, U^-1   Q28   stretches are below 3
  *   S, T             that of c, saturated */
-#ifndef FRAY_MEMBRANE_COROTATIONAL_H
-#define FRAY_MEMBRANE_COROTATIONAL_H
+#ifndef FRAY_STATE_COROTATIONAL_H
+#define FRAY_STATE_COROTATIONAL_H
 
 #include "rt/state/features.h"
 #include "rt/state/material.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* corotational.h has the formulas. */
-#include "rt/membrane/corotational.h"
+#include "rt/state/corotational.h"
 
 #if FRAY_CRACKS
 
