@@ -8,9 +8,9 @@
  * A gain times a strain is the impulse of one of n elastic steps, so energies are n times that. Moments
  * come in every `bend_every`-th of them. */
 #include "rt/energy/energy_measure.h"
-#include "rt/state/corotational.h"
 #include "rt/membrane/membrane.h"
 #include "rt/membrane/strain_law.h"
+#include "rt/state/corotational.h"
 #include "rt/state/deformation.h"
 
 #if FRAY_ENERGY

@@ -89,12 +89,13 @@ void handle_proxies_move(fray_world *w) {
 static int32_t coupling_force(const params *p, int64_t impulse) {
   enum { LESS = 8 }; /* far below a step of the force, but where a unit of impulse is many */
   const int64_t bound = (int64_t)1 << 38;
-  const unsigned shift = (unsigned)p->force_shift;
-  const int is_fine = shift > LESS;
+  unsigned shift = (unsigned)p->force_shift;
   FRAY_ASSERT(shift > 0 && shift < 63);
-  const int64_t counted = is_fine ? fx_round64(impulse, LESS) : impulse;
-  const int64_t product = fx_mul64(fx_clamp64(counted, -bound, bound), p->force_gain);
-  return fx_saturate(-fx_round64(product, is_fine ? shift - LESS : shift));
+  if (shift > LESS) {
+    impulse = fx_round64(impulse, LESS);
+    shift -= LESS;
+  }
+  return fx_saturate(-fx_round64(fx_mul64(fx_clamp64(impulse, -bound, bound), p->force_gain), shift));
 }
 
 void handle_forces_find(fray_world *w) {

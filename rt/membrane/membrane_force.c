@@ -12,10 +12,10 @@
  * Corners 1 and 2 get their impulses, corner 0 the opposite of both, so the sum is zero to the last bit. An
  * impulse of a corner is held to 2^26 - 2^22: those of 16 triangles fit 32 bits, with as much as bending and
  * the wind may add. */
-#include "rt/state/corotational.h"
 #include "rt/membrane/membrane.h"
 #include "rt/membrane/strain_law.h"
 #include "rt/simd/simd.h"
+#include "rt/state/corotational.h"
 #include "rt/state/deformation.h"
 
 /* P Q30 and r Q22 to the impulse of a corner along one axis. */
@@ -89,19 +89,8 @@ static int force_corotational(const force_view *view, uint32_t t) {
   add_stress(view, t, &d, &stress);
   return is_overstretched(strain);
 }
-
-/* Returns 1 iff one is overstretched. */
-static int add_corotational(const fray_world *w, const force_view *view, uint32_t count) {
-  uint32_t group = COROTATIONAL_GROUP;
-  int is_held = 0;
-  for (uint32_t t = 0; t < count;) {
-    const uint32_t taken = simd_corotational_force(w->kernel, view, t, count);
-    t += taken;
-    group = corotational_group(group, taken);
-    for (uint32_t n = 0; n < group && t < count; ++n) is_held |= force_corotational(view, t++);
-  }
-  return is_held;
-}
+#else
+#define force_corotational force_triangle
 #endif
 
 void membrane_force_add(fray_world *w) {
@@ -109,17 +98,16 @@ void membrane_force_add(fray_world *w) {
   const force_view view = {w->membrane.positions, w->membrane.impulse, w->trimesh.triangle,
                            w->trimesh.weights, w->membrane.gains, w->membrane.strain_threshold};
   const uint32_t count = triangles_in_use(w);
-  uint32_t t = 0;
+  const int is_corotational = world_is_corotational(w);
+  uint32_t left = SIMD_LEFT;
   int is_held = 0;
-#if FRAY_CRACKS
-  if (world_is_corotational(w)) {
-    is_held = add_corotational(w, &view, count);
-    t = count;
-  }
-#endif
-  while (t < count) {
-    t += simd_membrane_force(w->kernel, &view, t, count);
-    if (t < count) is_held |= force_triangle(&view, t++);
+  for (uint32_t t = 0; t < count;) {
+    const uint32_t taken = is_corotational ? simd_corotational_force(w->kernel, &view, t, count)
+                                           : simd_membrane_force(w->kernel, &view, t, count);
+    t += taken;
+    left = simd_left(left, taken);
+    for (uint32_t n = 0; n < left && t < count; ++n, ++t)
+      is_held |= is_corotational ? force_corotational(&view, t) : force_triangle(&view, t);
   }
   if (is_held) world_fault(w, FRAY_FAULT_OVERSTRETCHED);
   w->work.element_forces += count;

@@ -10,9 +10,9 @@
  * (Karaoz 2015.) Of an isotropic sheet it is T of corotational.h. c stays in `gains` until
  * membrane_gains_update() makes gains of it, with which membrane_force.c computes the force in each
  * elastic step. */
-#include "rt/state/corotational.h"
 #include "rt/membrane/membrane.h"
 #include "rt/simd/simd.h"
+#include "rt/state/corotational.h"
 #include "rt/state/deformation.h"
 
 static void lowpass(material_tensor *mean, material_tensor to, unsigned shift) {
@@ -48,16 +48,8 @@ static void stress_corotational(const fray_world *w, uint32_t t) {
   w->membrane.stress[t] = material_stress(c, counted);
   soften(&w->membrane.stress[t], membrane_softening(w, t));
 }
-
-static void update_corotational(const fray_world *w, const stress_view *view, uint32_t count) {
-  uint32_t group = COROTATIONAL_GROUP;
-  for (uint32_t t = 0; t < count;) {
-    const uint32_t taken = simd_corotational_stress(w->kernel, view, t, count);
-    t += taken;
-    group = corotational_group(group, taken);
-    for (uint32_t n = 0; n < group && t < count; ++n) stress_corotational(w, t++);
-  }
-}
+#else
+#define stress_corotational stress_triangle
 #endif
 
 static void stress_triangle(const fray_world *w, uint32_t t) {
@@ -82,16 +74,16 @@ void membrane_stress_update(fray_world *w) {
                             s->material, (unsigned)c->smoothing_shift, c->norm2_max,
                             w->membrane.smoothed_strains, w->membrane.gains, w->membrane.stress};
   const uint32_t count = triangles_in_use(w);
-  uint32_t t = 0;
+  const int is_corotational = world_is_corotational(w);
+  uint32_t left = SIMD_LEFT;
   FRAY_ASSERT(count <= w->capacity[POOL_TRIANGLES]);
-#if FRAY_CRACKS
-  if (world_is_corotational(w)) {
-    update_corotational(w, &view, count);
-    return;
-  }
-#endif
-  while (t < count) {
-    t += simd_membrane_stress(w->kernel, &view, t, count);
-    if (t < count) stress_triangle(w, t++);
+  for (uint32_t t = 0; t < count;) {
+    const uint32_t taken = is_corotational ? simd_corotational_stress(w->kernel, &view, t, count)
+                                           : simd_membrane_stress(w->kernel, &view, t, count);
+    t += taken;
+    left = simd_left(left, taken);
+    for (uint32_t n = 0; n < left && t < count; ++n, ++t)
+      if (is_corotational) stress_corotational(w, t);
+      else stress_triangle(w, t);
   }
 }

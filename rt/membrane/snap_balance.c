@@ -10,8 +10,8 @@
 #include "rt/membrane/snap_balance.h"
 
 #include "rt/base/wide.h"
-#include "rt/state/corotational.h"
 #include "rt/membrane/membrane.h"
+#include "rt/state/corotational.h"
 #include "rt/state/deformation.h"
 
 #if FRAY_CRACKS

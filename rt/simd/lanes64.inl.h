@@ -13,6 +13,14 @@
 #define LANES_UNROLL _Pragma("GCC unroll 20") /* or small arrays stay in memory */
 #endif
 
+LANES_INLINE lanes64 lanes64_mul(lanes a, lanes b) {
+  return lanes64_mul_low(lanes64_words(a), lanes64_words(b));
+}
+LANES_INLINE lanes64 lanes64_mul_u(lanes a, lanes b) {
+  return lanes64_mul_low_u(lanes64_words(a), lanes64_words(b));
+}
+LANES_INLINE lanes64 lanes64_shr_by(lanes64 v, lanes s) { return lanes64_shr_by64(v, lanes64_from(s)); }
+LANES_INLINE lanes64 lanes64_shl_by(lanes64 v, lanes s) { return lanes64_shl_by64(v, lanes64_from(s)); }
 LANES_INLINE lane_mask lanes64_negative(lanes64 v) { return lanes_negative(lanes64_high(v)); }
 LANES_INLINE lane_mask lanes64_less(lanes64 v, int64_t least) {
   return lanes64_negative(lanes64_sub(v, lanes64_set(least)));

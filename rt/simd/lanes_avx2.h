@@ -162,12 +162,6 @@ LANES_INLINE __m256i lanes_odd(lanes v) { return _mm256_srli_epi64(v, 32); }
 LANES_INLINE lanes64 lanes64_set(int64_t v) {
   return (lanes64){_mm256_set1_epi64x(v), _mm256_set1_epi64x(v)};
 }
-LANES_INLINE lanes64 lanes64_mul(lanes a, lanes b) {
-  return (lanes64){_mm256_mul_epi32(a, b), _mm256_mul_epi32(lanes_odd(a), lanes_odd(b))};
-}
-LANES_INLINE lanes64 lanes64_mul_u(lanes a, lanes b) {
-  return (lanes64){_mm256_mul_epu32(a, b), _mm256_mul_epu32(lanes_odd(a), lanes_odd(b))};
-}
 LANES_INLINE lanes64 lanes64_add(lanes64 a, lanes64 b) {
   return (lanes64){_mm256_add_epi64(a.even, b.even), _mm256_add_epi64(a.odd, b.odd)};
 }
@@ -182,12 +176,6 @@ LANES_INLINE lanes64 lanes64_shl(lanes64 v, unsigned s) {
   return (lanes64){_mm256_slli_epi64(v.even, (int)s), _mm256_slli_epi64(v.odd, (int)s)};
 }
 LANES_INLINE __m256i lanes_even(lanes v) { return _mm256_blend_epi32(v, _mm256_setzero_si256(), 0xAA); }
-LANES_INLINE lanes64 lanes64_shr_by(lanes64 v, lanes s) {
-  return (lanes64){_mm256_srlv_epi64(v.even, lanes_even(s)), _mm256_srlv_epi64(v.odd, lanes_odd(s))};
-}
-LANES_INLINE lanes64 lanes64_shl_by(lanes64 v, lanes s) {
-  return (lanes64){_mm256_sllv_epi64(v.even, lanes_even(s)), _mm256_sllv_epi64(v.odd, lanes_odd(s))};
-}
 /* All ones where v is negative. */
 LANES_INLINE lanes64 lanes64_sign(lanes64 v) {
   const __m256i zero = _mm256_setzero_si256();

@@ -127,12 +127,6 @@ typedef struct {
 } lanes64;
 LANES_INLINE __m512i lanes_odd(lanes v) { return _mm512_srli_epi64(v, 32); }
 LANES_INLINE lanes64 lanes64_set(int64_t v) { return (lanes64){_mm512_set1_epi64(v), _mm512_set1_epi64(v)}; }
-LANES_INLINE lanes64 lanes64_mul(lanes a, lanes b) {
-  return (lanes64){_mm512_mul_epi32(a, b), _mm512_mul_epi32(lanes_odd(a), lanes_odd(b))};
-}
-LANES_INLINE lanes64 lanes64_mul_u(lanes a, lanes b) {
-  return (lanes64){_mm512_mul_epu32(a, b), _mm512_mul_epu32(lanes_odd(a), lanes_odd(b))};
-}
 LANES_INLINE lanes64 lanes64_add(lanes64 a, lanes64 b) {
   return (lanes64){_mm512_add_epi64(a.even, b.even), _mm512_add_epi64(a.odd, b.odd)};
 }
@@ -147,12 +141,6 @@ LANES_INLINE lanes64 lanes64_shl(lanes64 v, unsigned s) {
   return (lanes64){_mm512_slli_epi64(v.even, s), _mm512_slli_epi64(v.odd, s)};
 }
 LANES_INLINE __m512i lanes_even(lanes v) { return _mm512_maskz_mov_epi32(0x5555, v); }
-LANES_INLINE lanes64 lanes64_shr_by(lanes64 v, lanes s) {
-  return (lanes64){_mm512_srlv_epi64(v.even, lanes_even(s)), _mm512_srlv_epi64(v.odd, lanes_odd(s))};
-}
-LANES_INLINE lanes64 lanes64_shl_by(lanes64 v, lanes s) {
-  return (lanes64){_mm512_sllv_epi64(v.even, lanes_even(s)), _mm512_sllv_epi64(v.odd, lanes_odd(s))};
-}
 /* All ones where v is negative. */
 LANES_INLINE lanes64 lanes64_sign(lanes64 v) {
   return (lanes64){_mm512_srai_epi64(v.even, 63), _mm512_srai_epi64(v.odd, 63)};

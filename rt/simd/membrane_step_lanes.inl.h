@@ -63,13 +63,7 @@ LANES_INLINE int membrane_step_lanes_group(const step_view *k, uint32_t first) {
   return 1;
 }
 
-/* Whole groups of LANES, until one is left to the scalar code. */
-LANES_INLINE uint32_t membrane_step_lanes_run(const step_view *k, uint32_t first, uint32_t end) {
-  FRAY_ASSERT(first <= end);
-  uint32_t at = first;
-  while (end - at >= (uint32_t)LANES && membrane_step_lanes_group(k, at)) at += (uint32_t)LANES;
-  return at - first;
-}
+LANES_RUN_WHOLE_GROUPS(membrane_step_lanes_run, step_view, membrane_step_lanes_group)
 #endif
 
 #endif

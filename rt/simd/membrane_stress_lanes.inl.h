@@ -235,12 +235,7 @@ LANES_INLINE int corotational_stress_lanes_group(const stress_view *v, uint32_t 
   return 1;
 }
 
-LANES_INLINE uint32_t corotational_stress_lanes_run(const stress_view *v, uint32_t first, uint32_t end) {
-  FRAY_ASSERT(first <= end);
-  uint32_t at = first;
-  while (end - at >= (uint32_t)LANES && corotational_stress_lanes_group(v, at)) at += (uint32_t)LANES;
-  return at - first;
-}
+LANES_RUN_WHOLE_GROUPS(corotational_stress_lanes_run, stress_view, corotational_stress_lanes_group)
 #endif
 #endif
 

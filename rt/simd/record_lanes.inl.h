@@ -72,6 +72,14 @@ LANES_INLINE lanes lanes_difference(const int32_t *at, const uint32_t from[LANES
     if (at < end && end - at < (uint32_t)LANES && group(v, at, end - at)) at = end; \
     return at - first; \
   }
+/* The same without the last group, where it is not whole. */
+#define LANES_RUN_WHOLE_GROUPS(name, view, group) \
+  LANES_INLINE uint32_t name(const view *v, uint32_t first, uint32_t end) { \
+    FRAY_ASSERT(first <= end); \
+    uint32_t at = first; \
+    while (end - at >= (uint32_t)LANES && group(v, at)) at += (uint32_t)LANES; \
+    return at - first; \
+  }
 #endif
 
 #endif

@@ -138,4 +138,12 @@ SIMD_LOOPS(SIMD_CHOOSE_LOOP, any)
 SIMD_PREFIXES(SIMD_CHOOSE_PREFIX, any)
 SIMD_SEARCHES(SIMD_CHOOSE_SEARCH, any)
 
+/* How many elements the scalar code takes where a kernel of a prefix stopped: SIMD_LEFT, and twice as many
+ * each time that the kernel took none, so that what it never takes costs few calls. */
+enum { SIMD_LEFT = 8, SIMD_LEFT_MAX = 128 };
+static inline uint32_t simd_left(uint32_t before, uint32_t taken) {
+  if (taken != 0) return SIMD_LEFT;
+  return before < SIMD_LEFT_MAX ? 2u * before : before;
+}
+
 #endif

@@ -20,14 +20,6 @@
 #include "rt/state/features.h"
 #include "rt/state/material.h"
 
-/* How many triangles the scalar code takes where a kernel stopped: 8, but twice as many whenever the kernel
- * took none again, so that cloth which is drawn too far for it pays for few attempts. */
-enum { COROTATIONAL_GROUP = 8, COROTATIONAL_GROUP_MAX = 128 };
-static inline uint32_t corotational_group(uint32_t before, uint32_t taken) {
-  if (taken != 0) return COROTATIONAL_GROUP;
-  return before < COROTATIONAL_GROUP_MAX ? 2u * before : before;
-}
-
 /* S of Green's strain g in the format of c, which is isotropic; U - 1 in *counted, its uv twice the shear.
  * Cost: two roots and 30 products; one root more where a stretch is below 1/2. */
 material_tensor corotational_stress(const int32_t c[MATERIAL_ENTRIES], material_tensor g,

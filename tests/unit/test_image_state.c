@@ -133,33 +133,31 @@ static void a_free_blade_as_fast_as_a_word_says(void) {
   }
 }
 
-/* Isotropic sheets whose triangles are drawn to the largest strain on one side, and pressed to a line on the other. */
-static void isotropic_sheets_at_their_limits(void) {
-  static const char *const scenes[] = {"tests/fuzz/tiny/isotropic.seed", "tests/fuzz/tiny/many_cracks.seed"};
+/* Eight worlds of each scene, their vertices thrown anywhere by `place`. */
+static void check_thrown(const char *const scenes[2], int32_t (*place)(uint64_t *draws)) {
   for (uint32_t n = 0; n < 2; ++n)
     for (uint32_t seed = 0; seed < 8; ++seed) {
       fixture_scoped f = {0};
       uint64_t draws = seed;
       fixture_file(&f, scenes[n], NULL);
       for (uint32_t axis = 0; axis < 3; ++axis)
-        for (uint32_t p = 0; p < f.w->capacity[POOL_PARTICLES]; ++p)
-          patch(&f, IN_X + axis, p, (int32_t)(hostile_draw(&draws, 9) * FX_LU / 4) - FX_LU);
+        for (uint32_t p = 0; p < f.w->capacity[POOL_PARTICLES]; ++p) patch(&f, IN_X + axis, p, place(&draws));
       check_runs(&f);
     }
 }
 
+static int32_t within_a_unit(uint64_t *draws) { return (int32_t)(hostile_draw(draws, 9) * FX_LU / 4) - FX_LU; }
+static int32_t at_an_edge(uint64_t *draws) { return hostile_draw(draws, 2) != 0 ? 62 * FX_LU : -62 * FX_LU; }
+
+/* Triangles are drawn to the largest strain on one side, and pressed to a line on the other. */
+static void isotropic_sheets_at_their_limits(void) {
+  static const char *const scenes[] = {"tests/fuzz/tiny/isotropic.seed", "tests/fuzz/tiny/many_cracks.seed"};
+  check_thrown(scenes, within_a_unit);
+}
+
 static void places_at_the_edge_with_self_collision(void) {
   static const char *const scenes[] = {"tests/fuzz/seeds/yarn_collision.scene", "tests/fuzz/seeds/triangle_collision.scene"};
-  for (uint32_t n = 0; n < 2; ++n)
-    for (uint32_t seed = 0; seed < 8; ++seed) {
-      fixture_scoped f = {0};
-      uint64_t draws = seed;
-      fixture_file(&f, scenes[n], NULL);
-      for (uint32_t axis = 0; axis < 3; ++axis)
-        for (uint32_t p = 0; p < f.w->capacity[POOL_PARTICLES]; ++p)
-          patch(&f, IN_X + axis, p, hostile_draw(&draws, 2) != 0 ? 62 * FX_LU : -62 * FX_LU);
-      check_runs(&f);
-    }
+  check_thrown(scenes, at_an_edge);
 }
 
 /* Curves of yarns swing beyond the world by a little: the gap between two is of 33 bits before it is clamped. */

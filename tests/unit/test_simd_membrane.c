@@ -10,10 +10,10 @@
 
 #include <math.h>
 
-#include "rt/state/corotational.h"
 #include "rt/membrane/membrane.h"
 #include "rt/tick/tick.h"
 #include "rt/simd/simd.h"
+#include "rt/state/corotational.h"
 #include "tests/lib/guarded.h"
 #include "tests/lib/simd_kernels.h"
 #include "tests/lib/world_fixture.h"
@@ -223,7 +223,7 @@ static uint64_t taken_of(const fray_world *w) {
 static uint64_t drawn_taken_of(const fray_world *w) {
   const force_view view = {w->membrane.positions, w->membrane.impulse, w->trimesh.triangle, w->trimesh.weights, w->membrane.gains, w->membrane.strain_threshold};
   uint64_t sum = 0;
-  for (uint32_t t = 0; t < triangles_in_use(w); t += COROTATIONAL_GROUP) {
+  for (uint32_t t = 0; t < triangles_in_use(w); t += SIMD_LEFT) {
     const uint32_t taken = simd_corotational_force(w->kernel, &view, t, triangles_in_use(w));
     sum += taken;
     t += taken;
