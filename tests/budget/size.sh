@@ -21,9 +21,10 @@ code_row() { printf '  %-8s %7.7s %7.7s %7.7s %7.7s %7.7s %7.7s %7.7s %7.7s %7.7
 
 compile() { # NAME OPT CC FLAGS...
   folder=$work/$1$2
-  [ "$(cat "$folder/flags" 2>/dev/null)" = "$*" ] || rm -rf "$folder"
+  made_of="$* $(echo rt/*/*.c)" # an object whose source has moved would be counted
+  [ "$(cat "$folder/made_of" 2>/dev/null)" = "$made_of" ] || rm -rf "$folder"
   mkdir -p "$folder"
-  echo "$*" >"$folder/flags"
+  echo "$made_of" >"$folder/made_of"
   opt=$2 cc=$3
   shift 3
   suite_make BUILD="$folder" CC="$cc" AR="${cc%gcc}ar" OPT="$opt" EXTRA="$*" "$folder/libfray.a"
