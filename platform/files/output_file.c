@@ -5,6 +5,8 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,16 +16,18 @@
 #include "platform/files/input_file.h"
 
 enum { OPEN_MAX_FILES = 16, TRIES = 1000, IN_PLACE = -1 };
-enum { SLOT_FREE, SLOT_TAKEN, SLOT_NAMED };
+enum { SLOT_FREE, SLOT_OPENING, SLOT_NAMED };
 
-/* Names of files that are not whole yet; a signal handler removes those of slots that are NAMED. */
+/* Names of files that are not whole yet; a signal handler removes those of slots that are NAMED. A thread has no signals
+ * while its slot is OPENING: a handler that waits for one is another thread's. */
 static char names[OPEN_MAX_FILES][OUTPUT_FILE_PATH];
 static atomic_int slots[OPEN_MAX_FILES];
+static atomic_int is_ending; /* no thread makes another file */
 
 static int take_slot(void) {
   for (int n = 0; n < OPEN_MAX_FILES; ++n) {
     int free_slot = SLOT_FREE;
-    if (atomic_compare_exchange_strong(&slots[n], &free_slot, SLOT_TAKEN)) return n;
+    if (atomic_compare_exchange_strong(&slots[n], &free_slot, SLOT_OPENING)) return n;
   }
   errno = EMFILE;
   return IN_PLACE;
@@ -46,16 +50,26 @@ static int create_aside(const char *target, int slot) {
   return -1;
 }
 
+/* A file of a slot that is NAMED. Returns its descriptor, or -1. */
+static int create_named(output_file *f) {
+  sigset_t all, before;
+  sigfillset(&all);
+  (void)pthread_sigmask(SIG_BLOCK, &all, &before);
+  f->aside = take_slot();
+  if (atomic_load(&is_ending) != 0) {
+    if (f->aside != IN_PLACE) atomic_store(&slots[f->aside], SLOT_FREE);
+    for (;;) (void)poll(NULL, 0, -1);
+  }
+  const int fd = f->aside == IN_PLACE ? -1 : create_aside(f->target, f->aside);
+  if (f->aside != IN_PLACE) atomic_store(&slots[f->aside], fd < 0 ? SLOT_FREE : SLOT_NAMED);
+  (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
+  return fd;
+}
+
 /* Aside of `target`; `old` is the file that it has, NULL: none. */
 static int open_aside(output_file *f, const struct stat *old) {
-  f->aside = take_slot();
-  if (f->aside == IN_PLACE) return 0;
-  const int fd = create_aside(f->target, f->aside);
-  if (fd < 0) {
-    atomic_store(&slots[f->aside], SLOT_FREE);
-    return 0;
-  }
-  atomic_store(&slots[f->aside], SLOT_NAMED);
+  const int fd = create_named(f);
+  if (fd < 0) return 0;
   if (old != NULL) (void)fchmod(fd, old->st_mode & 0777);
   f->stream = fdopen(fd, "wb");
   if (f->stream != NULL) return 1;
@@ -155,6 +169,9 @@ const char *output_file_reason(void) {
 }
 
 void output_file_drop_all(void) {
-  for (int n = 0; n < OPEN_MAX_FILES; ++n)
+  atomic_store(&is_ending, 1);
+  for (int n = 0; n < OPEN_MAX_FILES; ++n) {
+    while (atomic_load(&slots[n]) == SLOT_OPENING) (void)poll(NULL, 0, 1);
     if (atomic_load(&slots[n]) == SLOT_NAMED) (void)unlink(names[n]);
+  }
 }

@@ -280,6 +280,7 @@ int candump_parse(const char *text, size_t bytes, int line, candump_entry *entry
   const size_t gap = sizeof CANDUMP_GAP - 1;
   if (bytes >= gap && memcmp(text, CANDUMP_GAP, gap) == 0) {
     candump_fail(error, NULL, line, 0, "the recording has a gap: %.*s", (int)(bytes - gap), text + gap);
+    error->incomplete = 1;
     return -1;
   }
   if (has_no_frame(text, bytes)) return 0;
@@ -312,6 +313,22 @@ static int log_add(candump_log *log, size_t *room, const candump_entry *entry) {
   return 1;
 }
 
+/* Files of other tools, by how they begin. */
+static int refuse_other(const char *file, const char *text, size_t bytes, candump_error *error) {
+  static const struct {
+    const char *begins, *kind, *converter;
+  } KINDS[] = {{";$FILEVERSION", ".trc", "can_logconvert of python-can"},
+               {"LOGG", ".blf", "can_logconvert of python-can"},
+               {"date ", ".asc", "asc2log or can_logconvert"}};
+  for (size_t n = 0; n < sizeof KINDS / sizeof *KINDS; ++n) {
+    const size_t length = strlen(KINDS[n].begins);
+    if (bytes >= length && memcmp(text, KINDS[n].begins, length) == 0)
+      return candump_fail(error, file, 1, 0, "a %s file, expected a log as candump -L writes it: convert it (%s)",
+                          KINDS[n].kind, KINDS[n].converter);
+  }
+  return 1;
+}
+
 int candump_parse_all(const char *file, const char *text, size_t bytes, candump_log *log,
                       candump_error *error) {
   size_t room = 0;
@@ -320,6 +337,7 @@ int candump_parse_all(const char *file, const char *text, size_t bytes, candump_
   log->count = 0;
   log->others = 0;
   log->other_line = 0;
+  if (!refuse_other(file, text, bytes, error)) return 0;
   for (int line = 1; start < bytes; ++line) {
     const char *end = memchr(text + start, '\n', bytes - start);
     const size_t length = end != NULL ? (size_t)(end - text) - start : bytes - start;
@@ -331,6 +349,7 @@ int candump_parse_all(const char *file, const char *text, size_t bytes, candump_
     if (end == NULL) { /* whatever stands there is not all of it */
       good = candump_fail(error, file, line, (int)length + 1,
                           "found the end of the file, expected a line feed: the log is cut off (--cut takes what is whole)");
+      error->incomplete = 1;
     }
     if (good && found == 1 && !log_add(log, &room, &entry)) {
       good = candump_fail(error, file, line, 0, "not enough memory for a log of this length");

@@ -45,6 +45,7 @@ typedef struct {
 typedef struct {
   char file[256];
   int line, column;  /* from 1; 0: not about a place */
+  int incomplete;    /* 1: the log is cut off within a line, or has a gap */
   char message[256]; /* what was found, what was expected */
 } candump_error;
 

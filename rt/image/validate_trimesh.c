@@ -183,15 +183,15 @@ static int cracks_good(const fray_world *w, fray_error *error) {
 }
 #endif
 
-/* So that areas fit 64 bits. */
-#define REST_MAX (32 * FX_LU)
+/* So that areas fit 64 bits, and the sum of two edges its word. */
+#define REST_MAX (32 * FX_LU - 1)
 
 static int rest_positions_good(const fray_world *w, fray_error *error) {
   for (uint32_t p = 0; p < w->capacity[POOL_PARTICLES]; ++p) {
     if (w->trimesh.u[p] < -REST_MAX || w->trimesh.u[p] > REST_MAX)
-      return image_bad(error, IN_U, p, "a rest place within 32 lu");
+      return image_bad(error, IN_U, p, "a rest place less than 32 lu from the origin");
     if (w->trimesh.v[p] < -REST_MAX || w->trimesh.v[p] > REST_MAX)
-      return image_bad(error, IN_V, p, "a rest place within 32 lu");
+      return image_bad(error, IN_V, p, "a rest place less than 32 lu from the origin");
   }
   return 1;
 }

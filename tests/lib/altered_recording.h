@@ -411,6 +411,15 @@ static int wrong_crc_added(size_t at) {
   return 1;
 }
 
+/* With a reserved bit, or command 0; its CRC is right. */
+static int malformed_added(size_t at) {
+  if (is_stop(at) || !command_added_here(at)) return 0;
+  if (at % 2 != 0) frame_at(at)->data[3] = 1;
+  else frame_at(at)->data[2] = 0;
+  mend(at);
+  return 1;
+}
+
 static void add_command(size_t at, uint8_t counter, uint8_t what) {
   frame f;
   codec_encode_command(&f, 0, &(codec_command){counter & 15u, what, 0});

@@ -43,10 +43,10 @@ is 'what is left' "$($part left "$work/ran")" '1 3'
 
 # the lists that make divides: each word once, over all parts
 for goal in san guests proof target-test; do
-  whole=$(${MAKE_COMMAND:-make} -s MAKEFLAGS= parts-of-$goal PART=1/1 | words)
+  whole=$(${MAKE_COMMAND:-make} -s --no-print-directory MAKEFLAGS= parts-of-$goal PART=1/1 | words)
   holds "make $goal: its list" [ "$(echo "$whole" | wc -w)" -ge 3 ]
   # shellcheck disable=SC2086
-  is "make $goal in four parts" "$(for k in 1 2 3 4; do ${MAKE_COMMAND:-make} -s MAKEFLAGS= parts-of-$goal PART=$k/4; done | sort | words)" \
+  is "make $goal in four parts" "$(for k in 1 2 3 4; do ${MAKE_COMMAND:-make} -s --no-print-directory MAKEFLAGS= parts-of-$goal PART=$k/4; done | sort | words)" \
     "$(printf '%s\n' $whole | sort | words)"
 done
 

@@ -212,6 +212,7 @@ static void whole_logs(void) {
   CHECK_EQ_INT(error.line, 4);
   CHECK_EQ_INT(error.column, 24);
   CHECK_TEXT(error.message, "found the end of the file, expected a line feed: the log is cut off (--cut takes what is whole)");
+  CHECK(error.incomplete);
   static const char OTHERS[] = "no frame\n# comment\n   \n\n(2.000000) vcan0 101#01\nnor this\n";
   CHECK(candump_parse_all("x.log", OTHERS, sizeof OTHERS - 1, &log, &error));
   CHECK_EQ_INT(log.count, 1);

@@ -8,7 +8,7 @@
 #include "tests/lib/test.h"
 #include "tests/lib/world_fixture.h"
 
-enum { IN_PARAMS = 1, IN_STATE = 2, IN_LINKS = 3, IN_X = 12, IN_VX = 15, IN_BODY_STATES = 26, IN_AREA = 39, IN_MATERIALS = 45, IN_MEMBRANE = 46,
+enum { IN_PARAMS = 1, IN_STATE = 2, IN_LINKS = 3, IN_X = 12, IN_VX = 15, IN_BODY_STATES = 26, IN_AREA = 39, IN_U = 42, IN_V = 43, IN_MATERIALS = 45, IN_MEMBRANE = 46,
        IN_SMOOTHED_STRAINS = 47, TICKS = 60, WORK_MAX = 1 << 24 };
 
 static void patch(fixture *f, uint32_t section, uint32_t word, int32_t value) {
@@ -196,6 +196,26 @@ static void triangles_that_have_hardly_any_area(void) {
   }
 }
 
+/* Two edges as long as the rest plane are added up where a tear is looked for. */
+static void triangles_as_large_as_the_rest_plane(void) {
+  const int32_t most = 32 * FX_LU - 1;
+  fray_error error = {FRAY_OK, 0, 0, ""};
+  for (int32_t shorter = 0; shorter < 8; ++shorter) {
+    fixture_scoped f = {0};
+    fixture_file(&f, "tests/fuzz/tiny/membrane_balls.seed", NULL);
+    for (uint32_t p = 0; p < f.w->p.count; ++p)
+      patch(&f, IN_V, p, f.w->trimesh.v[p] > 0 ? most - shorter * (int32_t)p : -most);
+    check_runs(&f);
+  }
+  for (uint32_t section = IN_U; section <= IN_V; ++section) {
+    fixture_scoped f = {0};
+    fixture_file(&f, "tests/fuzz/seeds/membrane.scene", NULL);
+    patch(&f, section, 0, most + 1);
+    CHECK_EQ_INT(open_patched(&f, &error), FRAY_BAD_FIELD);
+    CHECK_EQ_INT(error.section, section);
+  }
+}
+
 static void counts_of_tears_saturate(void) {
   static const char *const scenes[] = {"tests/fuzz/seeds/woven.scene", "tests/fuzz/seeds/membrane.scene",
                                        "tests/fuzz/seeds/blades.scene"};
@@ -331,6 +351,7 @@ int main(void) {
   TEST(yarns_at_opposite_edges);
   TEST(gales);
   TEST(triangles_that_have_hardly_any_area);
+  TEST(triangles_as_large_as_the_rest_plane);
   TEST(counts_of_tears_saturate);
   TEST(a_body_that_leaps_with_held_particles);
   TEST(held_yarns_that_leap_slide_on);

@@ -243,7 +243,7 @@ static void the_next_round_of_counters_is_no_substitute(void) {
 }
 
 static void from_a_save(void) {
-  const replay_setting setting = {0, 1, 1000, 0, {3, 0}, 0, 0};
+  const replay_setting setting = {0, 1, 1000, 2, {3, 0}, 0, 0}, other = {0, 1, 1000, 2, {0, 0}, 0, 0};
   static const char TEXT[] =
       "(1.002000) vcan0 080#0200000022222222\n"
       "(1.002100) vcan0 181#AC32000000000000\n"
@@ -252,7 +252,9 @@ static void from_a_save(void) {
   CHECK_EQ_INT(run.first, 2);
   CHECK_EQ_INT(run.count, 1);
   CHECK_EQ_INT(run.ticks[0].input.has_pose, 0);
-  CHECK(!read_text(TEXT, &LEFT)); /* from another save: POSE 3 is news there */
+  CHECK(!read_text(TEXT, &other)); /* from another save: POSE 3 is news there */
+  CHECK(!read_text(TEXT, &LEFT));
+  CHECK_TEXT(error.message, "the recording starts with tick 2, the image with tick 0");
 }
 
 static void a_device_log(void) {

@@ -75,7 +75,8 @@ static void refused(const char *text, int line, int column, const char *message)
 
 static void refused_scripts(void) {
   refused("", 1, 1, "found the end of the file, expected a duration, e.g. duration 5 s");
-  refused("duration 1 s\n", 2, 1,
+  refused("\n dur\033[31mX 1 s\n", 2, 5, "found the byte 0x1B, expected printable ASCII");
+  refused("duration 1 s\n", 1, 13,
           "found the end of the file, expected a hand: left or right { keyframes }");
   refused("\n  speed 3", 2, 3,
           "found 'speed', expected rate, seed, noise, instance, duration, arm, command, left or right");

@@ -59,6 +59,7 @@ static int measure_hand(const tear_force_sample *samples, const tear_force *f, u
     h->peak = force;
     h->peak_at = n;
   }
+  if (h->peak_at + SAMPLES_MIN < f->first) return 0; /* it did not rise to the tear */
   if (f->last < h->peak_at + 2 * SAMPLES_MIN || !measure_rise(samples, f, hand, h)) return 0;
   const size_t margin = (f->last - h->peak_at) / 10, begin = h->peak_at + margin, end = f->last - margin;
   double sum = 0, squares = 0;

@@ -24,7 +24,7 @@ typedef struct {
   world_workers workers;
   output_file record; /* without a stream: none */
   bus_log log;
-  int started;
+  live_start start;
 } session_live;
 
 /* Worker threads inherit these settings, and are pinned by world_workers_open(). */
@@ -129,7 +129,7 @@ static void run_ticks(session_live *s) {
   int told = 0;
   while (!is_over(s, done)) {
     if (run_tick(&s->l, &s->workers) == LOOP_TICKED) ++done;
-    s->started |= s->l.output.state == FRAY_OPERATIONAL;
+    s->start = live_start_seen(s->start, &s->l.output);
     if (s->key == NULL) continue;
     complain(s->key, &told);
     if (!bus_key_tick(s->key)) break;
@@ -216,6 +216,6 @@ int live_run(fray_world *world, const live_options *o, live_result *result) {
     }
   }
   result->last = s.l.output;
-  result->started = s.started;
+  result->start = s.start;
   return close_record(&s, code);
 }

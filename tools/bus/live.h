@@ -22,9 +22,18 @@ typedef struct {
 
 enum { LIVE_ANY_CPU = 0xFFFF };
 
+/* How far START came. */
+typedef enum { START_NONE, START_ACCEPTED, START_DONE } live_start;
+
+static inline live_start live_start_seen(live_start before, const fray_output *o) {
+  if (o->state == FRAY_OPERATIONAL) return START_DONE;
+  const int accepted = o->answered == FRAY_COMMAND_START && o->result == FRAY_RESULT_OK;
+  return before == START_NONE && accepted ? START_ACCEPTED : before;
+}
+
 typedef struct {
   fray_output last; /* of the last tick */
-  int started;      /* the world was OPERATIONAL in some tick */
+  live_start start;
 } live_result;
 
 /* Runs for all ticks or until a signal of signals.h, or the reader of a log that is a pipe ends: then

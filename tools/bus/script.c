@@ -30,7 +30,7 @@ static int is(const parser *p, const char *text) {
 static int fail_at(const parser *p, const token *t, const char *expected) {
   const int bytes = t->bytes > WORD_MAX_BYTES ? WORD_MAX_BYTES : (int)t->bytes;
   if (bytes == 0)
-    return candump_fail(p->error, p->file, t->line, t->column, "found the end of the file, expected %s",
+    return candump_fail(p->error, p->file, p->l.end_line, p->l.end_column, "found the end of the file, expected %s",
                         expected);
   return candump_fail(p->error, p->file, t->line, t->column, "found '%.*s', expected %s", bytes, t->text,
                       expected);
@@ -230,6 +230,13 @@ static int read_statement(parser *p) {
   }
 }
 
+static int check_text(const parser *p, const char *text, size_t bytes) {
+  int line = 0, column = 0;
+  unsigned byte = 0;
+  return lexer_readable(text, bytes, &line, &column, &byte) ||
+         candump_fail(p->error, p->file, line, column, "found the byte 0x%02X, expected printable ASCII", byte);
+}
+
 int script_parse(const char *file, const char *text, size_t bytes, script *out,
                  candump_error *error) {
   parser p = {.file = file, .out = out, .error = error};
@@ -237,6 +244,7 @@ int script_parse(const char *file, const char *text, size_t bytes, script *out,
   out->rate_hz = 1000;
   out->seed = 1;
   lexer_start(&p.l, text, bytes);
+  if (!check_text(&p, text, bytes)) return 0;
   while (p.l.token.bytes > 0) {
     if (!read_statement(&p)) return 0;
   }

@@ -49,7 +49,7 @@ static void print_usage(FILE *out) {
         "  --cut                 the log was cut off: takes what of it is whole\n"
         "  --key FILE            the key of an authenticated recording\n"
         "  --instance N          which runtime in the log, 0 to 7 (default 0)\n"
-        "  --at 0.5s,1s,2500ms   times of the pictures\n"
+        "  --at 0.5s,1s,2500ms   times of the pictures, since tick 0 of the scene\n"
         "  --every 100ms         or: their interval, from the start\n"
         "  --frames N            or: their number, at even intervals from start to end\n"
         "  --for 2s              how long to run (default: the log's length, or 1 s)\n"
@@ -232,8 +232,8 @@ static int plan(render_job *job) {
   }
   for (size_t n = 0; n < job->count; n++) {
     if (job->ticks[n] >= job->start && job->ticks[n] <= job->end) continue;
-    fprintf(stderr, "fray render: tick %" PRIu64 " is outside the run, expected %" PRIu64
-            " to %" PRIu64 "\n", job->ticks[n], job->start, job->end);
+    fprintf(stderr, "fray render: %gs is outside the run, expected %gs to %gs of the scene's time\n",
+            (double)job->ticks[n] / rate, (double)job->start / rate, (double)job->end / rate);
     return 0;
   }
   return 1;

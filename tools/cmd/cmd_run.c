@@ -51,7 +51,7 @@ typedef struct {
   fray_output last;
   uint64_t first_tear;  /* tick, or UINT64_MAX */
   uint16_t faults;     /* of all ticks */
-  int started;         /* a hand's START was accepted, or the image is of a running session */
+  live_start start;    /* DONE too where the image is of a running session */
 } run_job;
 
 static void print_usage(FILE *out) {
@@ -149,7 +149,7 @@ static int step(run_job *j, uint64_t n) {
   const fray_input *input = session_input(&j->s, n);
   workers_tick(&j->world_workers.group, input, &j->last);
   j->faults |= j->last.faults;
-  j->started |= j->last.state == FRAY_OPERATIONAL;
+  j->start = live_start_seen(j->start, &j->last);
   work_tally_add(&j->tally, &j->last);
   const int tore_first = j->first_tear == UINT64_MAX && j->last.work.tears != 0;
   if (tore_first) j->first_tear = j->last.tick;
@@ -242,9 +242,12 @@ static void print_yarns(const run_job *j, FILE *out) {
 /* The state at the end, of worlds with hands. */
 static void print_state(const run_job *j, FILE *out) {
   static const char *const names[] = {"none", "ready", "operational", "safe"};
+  static const char *const why[] = {
+      ": the hands never started, no START was accepted; all forces are zero",
+      ": the hands never started: after START not every hand sent 16 good poses in a row; all forces are zero",
+      ""};
   if (j->s.facts.hands == 0) return;
-  fprintf(out, "state        %s%s\n", names[j->last.state & 3],
-          j->started ? "" : ": the hands never started, no START was accepted; all forces are zero");
+  fprintf(out, "state        %s%s\n", names[j->last.state & 3], why[j->start]);
 }
 
 /* What the devices at handles were given since START; below 0 they gave. */
@@ -385,7 +388,7 @@ static int run_live(run_job *j) {
   live_result result;
   const int code = live_run(j->s.world_file.world, &live, &result);
   j->last = result.last;
-  j->started = result.started;
+  j->start = result.start;
   if (code == 2 || (o->save != NULL && !save(j))) return code == 2 ? 2 : 1;
   j->ticks = fray_get_info(j->s.world_file.world).tick - j->s.facts.tick;
   j->faults = j->last.faults;

@@ -20,7 +20,7 @@ static void print_usage(FILE *out) {
           "Compiles a scene to an image. Where the scene leaves substeps or iterations open, finds\n"
           "them by test runs and prints them. Prints the strain of woven cloth at rest, beside what it\n"
           "may be. The same scene gives the same bytes everywhere.\n\n"
-          "  -o FILE         the image (default: the scene's name with .img)\n"
+          "  -o FILE         the image (default: the scene's name with .img, or .c)\n"
           "  --emit-c NAME   writes a C array `NAME`, and `NAME_bytes`, instead of the bytes\n\n"
           "exit: 0 good, 1 writing failed, 2 wrong use or unreadable input\n");
 }
@@ -62,11 +62,11 @@ static int write_image(const char *path, const char *name, const uint8_t *image,
   return good;
 }
 
-static void default_name(const char *from, char *to, size_t room) {
-  snprintf(to, room - 4, "%s", from);
+static void default_name(const char *from, const char *ending, char *to, size_t room) {
+  snprintf(to, room - strlen(ending), "%s", from);
   char *dot = strrchr(to, '.');
   if (dot != NULL && strchr(dot, '/') == NULL) *dot = 0;
-  strcat(to, ".img");
+  strcat(to, ending);
 }
 
 static void print_cloth(const char *path, uint8_t *image, size_t bytes) {
@@ -93,8 +93,9 @@ static void print_rest(const compile_report *report) {
            report->limit == REST_BY_SPLIT ? "splits" : "tears");
 }
 
-static void print_built(const char *output, size_t bytes, const compile_report *report) {
-  printf("%s: %zu bytes, %u substeps, %u iterations\n", output, bytes, report->substeps, report->iterations);
+static void print_built(const char *output, const char *array, size_t bytes, const compile_report *report) {
+  printf("%s: %s%s%zu bytes, %u substeps, %u iterations\n", output, array != NULL ? array : "",
+         array != NULL ? ", an array of " : "", bytes, report->substeps, report->iterations);
   if (report->strain_max_q16 > 0) print_rest(report);
   if (report->stretch_steps > 0)
     printf("yarns take %u elastic steps a substep, %u a tick, for their stiffness, mass and spacing\n",
@@ -121,7 +122,7 @@ int cmd_scene(int argc, char **argv) {
     return 2;
   }
   char named[4096];
-  default_name(file, named, sizeof named);
+  default_name(file, array != NULL ? ".c" : ".img", named, sizeof named);
   if (output == NULL) {
     output = named;
     if (!options_are_apart(argv[0], table, 2, file)) return 2;
@@ -132,7 +133,7 @@ int cmd_scene(int argc, char **argv) {
   if (image == NULL) return 2;
   const int written = write_image(output, array, image, bytes);
   if (written) {
-    print_built(output, bytes, &report);
+    print_built(output, array, bytes, &report);
     print_cloth(output, image, bytes);
   }
   free(image);

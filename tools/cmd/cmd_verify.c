@@ -52,12 +52,12 @@ static void print_usage(FILE *out) {
         out);
 }
 
-/* Whether the first SYNC has another hash than the world before its first tick. */
-static int starts_elsewhere(const candump_log *log, uint32_t instance, uint64_t hash) {
+/* Whether the first SYNC is of the world's tick and has another hash than the world before it. */
+static int starts_elsewhere(const candump_log *log, uint32_t instance, uint64_t tick, uint64_t hash) {
   codec_sync sync;
   for (size_t n = 0; n < log->count; ++n)
     if (codec_decode_sync(&log->entries[n].frame, instance, &sync) == CODEC_OK)
-      return sync.hash != (uint32_t)(hash & 0xFFFFFFFFu);
+      return sync.tick == (uint32_t)(tick & UINT32_MAX) && sync.hash != (uint32_t)(hash & UINT32_MAX);
   return 0;
 }
 
@@ -65,7 +65,7 @@ static int verify_world(const options *o, candump_log *log, struct world_file *w
   static world_workers w;
   const verify_recording of = {o->log_file, log, o->instance, o->cut};
   const fray_info facts = fray_get_info(world_file->world);
-  const int elsewhere = starts_elsewhere(log, o->instance, fray_hash(world_file->world));
+  const int elsewhere = starts_elsewhere(log, o->instance, facts.tick, fray_hash(world_file->world));
   if (!replay_is_recording(log, o->instance)) {
     fprintf(stderr, "%s: no SYNC of instance %" PRIu32 ", expected a recording\n", o->log_file,
             o->instance);
@@ -102,7 +102,11 @@ int cmd_verify(int argc, char **argv) {
   if (wish == OPTIONS_GOOD && (o.log_file == NULL || o.scene_file == NULL))
     fprintf(stderr, "fray verify: expected a recording and --scene; fray verify --help tells more\n");
   if (wish == OPTIONS_WRONG || o.log_file == NULL || o.scene_file == NULL) return EXIT_USAGE;
-  if (!log_file_load(o.log_file, o.cut, &log, stderr)) return EXIT_USAGE;
+  switch (log_file_load(o.log_file, o.cut, &log, stderr)) {
+    case LOG_FILE_INCOMPLETE: return EXIT_DIFFERS;
+    case LOG_FILE_REFUSED: return EXIT_USAGE;
+    case LOG_FILE_GOOD: break;
+  }
   int code = world_file_open(o.scene_file, &world_file, stderr);
   if (code == 0) {
     code = kernel_use(world_file.world, o.kernel) ? verify_world(&o, &log, &world_file) : EXIT_USAGE;

@@ -21,17 +21,17 @@ static int load_cut(const char *file, candump_log *log, candump_error *error) {
   return good;
 }
 
-int log_file_load(const char *file, int cut, candump_log *log, FILE *err) {
+log_file_result log_file_load(const char *file, int cut, candump_log *log, FILE *err) {
   candump_error error;
   if (!(cut ? load_cut(file, log, &error) : candump_load(file, log, &error))) {
     candump_print_error(err, &error);
-    return 0;
+    return error.incomplete ? LOG_FILE_INCOMPLETE : LOG_FILE_REFUSED;
   }
-  if (log->others == 0) return 1;
+  if (log->others == 0) return LOG_FILE_GOOD;
   if (log->count == 0) {
     fprintf(err, "%s:%d: is no frame, expected a log of a bus, as candump -L writes it\n", file, log->other_line);
-    return 0;
+    return LOG_FILE_REFUSED;
   }
   fprintf(err, "%s: note: %zu lines are no frames, the first at line %d\n", file, log->others, log->other_line);
-  return 1;
+  return LOG_FILE_GOOD;
 }

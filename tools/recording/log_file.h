@@ -7,8 +7,11 @@
 
 #include "platform/log/candump.h"
 
-/* cut: it may end anywhere, and ends at a gap; else it must be whole. Returns 0 after a message to `err`. Lines that
- * are neither frames nor comments with `#` are noted there; a file without any frame, but with such lines, is none. */
-int log_file_load(const char *file, int cut, candump_log *log, FILE *err);
+typedef enum { LOG_FILE_GOOD, LOG_FILE_INCOMPLETE, LOG_FILE_REFUSED } log_file_result;
+
+/* cut: it may end anywhere, and ends at a gap; else it must be whole, or is INCOMPLETE. Where it is not GOOD, `err` has
+ * a message, and *log is empty. Lines that are neither frames nor comments with `#` are noted there; a file without
+ * any frame, but with such lines, is REFUSED. */
+log_file_result log_file_load(const char *file, int cut, candump_log *log, FILE *err);
 
 #endif

@@ -73,6 +73,10 @@ static int add_sync(replay_reader *r, const candump_entry *entry) {
   if (out->count == 0) {
     out->first = replay_tick_number(sync.tick, r->setting->tick);
     r->first_sync_line = entry->line;
+    if (out->first != r->setting->tick)
+      return candump_fail(r->error, r->file, entry->line, 0,
+                          "the recording starts with tick %" PRIu64 ", the image with tick %" PRIu64, out->first,
+                          r->setting->tick);
   }
   const uint64_t expected = out->first + out->count;
   const int again = out->count > 0 && sync.tick == low_of(expected - 1u);

@@ -54,6 +54,7 @@ typedef struct {
   replay_tick *ticks;   /* [count] */
   int cut_line;         /* SYNC of the first tick that was left out since it is not whole; 0: none */
   replay_list tears, statuses, identities;
+  int back_line;        /* device log: first frame a tick or more before the frame above it; 0: none */
   port_statistics port; /* device log; its unknown ids count poses of absent hands too */
   uint32_t absent[FRAY_HANDS]; /* device log: poses of a hand that the world does not use */
 } replay;

@@ -33,6 +33,8 @@ int replay_read_device(replay_reader *r) {
       return candump_fail(r->error, r->file, r->log->entries[n].line, 0,
                           "more than %d ticks after the first frame", (int)REPLAY_DEVICE_TICKS_MAX);
     }
+    if (out->back_line == 0 && n > 0 && tick_at(r, r->log->entries[n].time_us, INT64_MIN) < last)
+      out->back_line = r->log->entries[n].line;
     last = tick_at(r, r->log->entries[n].time_us, last < 0 ? 0 : last);
   }
   if (!replay_take_ticks(r, (size_t)(last + 1))) return 0;

@@ -247,12 +247,13 @@ int unseal_log(const char *file, candump_log *log, const char *key_file, uint32_
   cmac_key key;
   const int fd = unseal_is_fd(log, instance);
   if (key_file == NULL) return open_without_key(file, log, fd, instance, err);
+  if (!bus_key_read(key_file, &key)) return 0;
   if (!fd && !has_tags(log, instance)) {
+    explicit_bzero(&key, sizeof key);
     fprintf(err, "%s: nothing of instance %u has a tag, expected a recording under a key; without one "
                  "leave --key away\n", file, instance);
     return 0;
   }
-  if (!bus_key_read(key_file, &key)) return 0;
   const int good = fd ? open_fd(file, log, &key, instance, err)
                       : open_classic(file, log, &key, instance, hands, err);
   explicit_bzero(&key, sizeof key);

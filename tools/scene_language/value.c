@@ -67,7 +67,7 @@ int parser_expected(parser *p, const char *format, ...) {
   vsnprintf(expected, sizeof expected, format, arguments);
   va_end(arguments);
   parser_found(p, found);
-  if (l->token.first && l->token.kind != TOKEN_END) {
+  if (l->token.first) {
     snprintf(found, sizeof found, "the end of the line");
     place.line = l->end_line;
     place.column = l->end_column;
