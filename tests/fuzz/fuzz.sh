@@ -56,11 +56,11 @@ suite_make BUILD="$work/$CC" CC="$CC" OPT=-O1 EXTRA="$flags" WIDE=-fno-sanitize=
 feed() {
   mkdir -p "$work/case_$1_$2"
   if [ -n "$driver" ]; then
-    FRAY_FUZZ_CASE="$work/case_$1_$2" "$work/fuzz_$1" "$seconds" $((runs / jobs)) "$work/seeds/$1"
+    FRAY_FUZZ_CASE="$work/case_$1_$2" "$work/fuzz_$1" "$seconds" $(((runs + jobs - 1) / jobs)) "$work/seeds/$1"
   elif [ "$runs" -eq 0 ]; then
     FRAY_FUZZ_CASE="$work/case_$1_$2" "$work/fuzz_$1" -max_total_time="$seconds" $limits "$work/corpus_$1" "$work/seeds/$1"
   else
-    FRAY_FUZZ_CASE="$work/case_$1_$2" "$work/fuzz_$1" -runs=$((runs / jobs)) -reload=0 $limits "$work/corpus_$1" "$work/seeds/$1"
+    FRAY_FUZZ_CASE="$work/case_$1_$2" "$work/fuzz_$1" -runs=$(((runs + jobs - 1) / jobs)) -reload=0 $limits "$work/corpus_$1" "$work/seeds/$1"
   fi
 }
 
