@@ -3,13 +3,11 @@
 
 #include "tools/recording/replay_reader.h"
 
-/* floor((time - start) * rate), never before the tick of the frame before. */
-static int64_t tick_at(const replay_reader *r, int64_t time_us, int64_t before) {
+/* floor((time - start) * rate); -1: before the start. */
+static int64_t tick_at(const replay_reader *r, int64_t time_us) {
   const int64_t rate = r->setting->rate_hz;
   const int64_t since = time_us - r->log->entries[0].time_us;
-  if (since < 0) return before;
-  const int64_t tick = since / 1000000 * rate + since % 1000000 * rate / 1000000;
-  return tick < before ? before : tick;
+  return since < 0 ? -1 : since / 1000000 * rate + since % 1000000 * rate / 1000000;
 }
 
 static void count_absent(replay_reader *r, const frame *f) {
@@ -28,14 +26,13 @@ int replay_read_device(replay_reader *r) {
                           "a frame without a time in a log without SYNCs, expected one of candump -L or -t a");
     }
     const int64_t since = r->log->entries[n].time_us - r->log->entries[0].time_us;
-    if (since / 1000000 > REPLAY_DEVICE_TICKS_MAX ||
-        tick_at(r, r->log->entries[n].time_us, 0) >= REPLAY_DEVICE_TICKS_MAX) {
+    const int64_t tick = since / 1000000 > REPLAY_DEVICE_TICKS_MAX ? REPLAY_DEVICE_TICKS_MAX : tick_at(r, r->log->entries[n].time_us);
+    if (tick >= REPLAY_DEVICE_TICKS_MAX) {
       return candump_fail(r->error, r->file, r->log->entries[n].line, 0,
                           "more than %d ticks after the first frame", (int)REPLAY_DEVICE_TICKS_MAX);
     }
-    if (out->back_line == 0 && n > 0 && tick_at(r, r->log->entries[n].time_us, INT64_MIN) < last)
-      out->back_line = r->log->entries[n].line;
-    last = tick_at(r, r->log->entries[n].time_us, last < 0 ? 0 : last);
+    if (tick < last && out->back_line == 0) out->back_line = r->log->entries[n].line;
+    if (tick > last) last = tick;
   }
   if (!replay_take_ticks(r, (size_t)(last + 1))) return 0;
   out->count = (uint32_t)(last + 1);
@@ -44,12 +41,9 @@ int replay_read_device(replay_reader *r) {
   port_init(p, r->setting->instance, r->setting->hands, r->setting->consumed);
   const uint32_t counted = r->setting->counted != 0 ? r->setting->counted : out->count;
   size_t at = 0;
-  int64_t now = 0;
   for (uint32_t n = 0; n < out->count; ++n) {
     for (; at < entries; ++at) {
-      const int64_t tick = tick_at(r, r->log->entries[at].time_us, now);
-      if (tick > (int64_t)n) break;
-      now = tick;
+      if (tick_at(r, r->log->entries[at].time_us) > (int64_t)n) break;
       if (n < counted) count_absent(r, &r->log->entries[at].frame);
       port_push(p, &r->log->entries[at].frame);
     }
