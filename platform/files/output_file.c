@@ -22,7 +22,12 @@ enum { SLOT_FREE, SLOT_OPENING, SLOT_NAMED };
  * while its slot is OPENING: a handler that waits for one is another thread's. */
 static char names[OPEN_MAX_FILES][OUTPUT_FILE_PATH];
 static atomic_int slots[OPEN_MAX_FILES];
-static atomic_int is_ending; /* no thread makes another file */
+static atomic_int is_ending; /* no thread makes another file, or goes on without one */
+
+/* A thread that goes on beside the handler could end the process before the handler has removed all. */
+static void stop_if_ending(void) {
+  while (atomic_load(&is_ending) != 0) (void)poll(NULL, 0, -1);
+}
 
 static int take_slot(void) {
   for (int n = 0; n < OPEN_MAX_FILES; ++n) {
@@ -58,7 +63,7 @@ static int create_named(output_file *f) {
   f->aside = take_slot();
   if (atomic_load(&is_ending) != 0) {
     if (f->aside != IN_PLACE) atomic_store(&slots[f->aside], SLOT_FREE);
-    for (;;) (void)poll(NULL, 0, -1);
+    stop_if_ending();
   }
   const int fd = f->aside == IN_PLACE ? -1 : create_aside(f->target, f->aside);
   if (f->aside != IN_PLACE) atomic_store(&slots[f->aside], fd < 0 ? SLOT_FREE : SLOT_NAMED);
@@ -108,7 +113,10 @@ int output_file_open(output_file *f, const char *path) {
 
 static int give_name(output_file *f) {
   if (f->aside == IN_PLACE) return 1;
-  if (rename(names[f->aside], f->target) != 0) return 0;
+  if (rename(names[f->aside], f->target) != 0) {
+    stop_if_ending(); /* the handler has removed it */
+    return 0;
+  }
   atomic_store(&slots[f->aside], SLOT_FREE);
   f->aside = IN_PLACE;
   return 1;
