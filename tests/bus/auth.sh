@@ -68,14 +68,14 @@ test_key() {
   ticks_wanted='' # until the attacker has said it all
   keyed_session attack tear
   until_true hand_speaks attack # a log does not say where the lanes were: see README of rt/wire, Logs
-  "$fray" hand --can "$device_bus" "$work/hold.hand" --patience 0 --drop 1000 --flood 2000 --key "$work/other.key" >"$work/forger.out" 2>&1 &
+  "$fray" hand --can "$device_bus" "$work/hold.hand" --patience 0 --drop 1000 --flood 200 --key "$work/other.key" >"$work/forger.out" 2>&1 &
   forger=$!
   canplayer -I "$work/replayed.log" "$bus=$bus" >"$work/canplayer.out" 2>&1 || fail "canplayer: $(cat "$work/canplayer.out")"
-  until_true flooded attack 400 || fail "key, attacked: the forger does not come through"
-  kill "$fray_pid"
-  end_fray attack
+  until_true flooded attack 1000 || fail "key, attacked: the forger does not come through"
   kill "$forger" 2>/dev/null || true
   wait "$forger" || true
+  kill "$fray_pid"
+  end_fray attack
   end_hand
   stop_log attack
   old=$(($(lane attack POSE_LEFT_AUTH old) + $(lane attack POSE_RIGHT_AUTH old) + $(lane attack COMMAND_AUTH old)))
@@ -114,7 +114,8 @@ test_tags() {
   forger=$!
   surplus=$(surplus_poses forger)
   until_true forged_poses forger $((surplus + 40)) || fail "tags, forged: the forger does not come through"
-  kill "$forger" && wait "$forger" || true
+  kill "$forger" 2>/dev/null || true
+  wait "$forger" || true
   kill "$fray_pid"
   end_keyed_session forger
   facts forger end

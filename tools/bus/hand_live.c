@@ -14,7 +14,7 @@
 #include "rt/wire/dictionary.h"
 #include "tools/terminal/signals.h"
 
-enum { WAIT_US = 500 };
+enum { WAIT_NS = 10000000 };
 
 typedef struct {
   const hand_live_options *o;
@@ -120,6 +120,18 @@ static void flood(hand_live *l) {
   }
 }
 
+static void be_earlier(int64_t *due_ns, int64_t other_ns) {
+  if (other_ns < *due_ns) *due_ns = other_ns;
+}
+
+static uint32_t until_due_us(const hand_live *l) {
+  const int64_t now = timer_now_ns();
+  int64_t due = now + WAIT_NS;
+  if (l->o->flood_hz != 0) be_earlier(&due, l->flood_next_ns);
+  if (l->o->free_running) be_earlier(&due, l->timer.next_ns);
+  return due > now ? (uint32_t)((due - now) / 1000) : 0;
+}
+
 static int fell_silent(const hand_live *l) {
   const int64_t quiet_ns = timer_now_ns() - l->last_sync_ns;
   return l->o->timeout_ms != 0 && quiet_ns > (int64_t)l->o->timeout_ms * 1000000;
@@ -128,7 +140,7 @@ static int fell_silent(const hand_live *l) {
 /* Returns 0 iff the runtime stopped sending. */
 static int run(hand_live *l) {
   while (signals_seen() == 0 && !simulated_device_done(&l->simulated_device)) {
-    (void)can_wait(&l->can, l->o->flood_hz != 0 ? 50 : WAIT_US);
+    (void)can_wait(&l->can, until_due_us(l));
     read_all(l);
     flood(l);
     if (l->o->free_running && timer_now_ns() >= l->timer.next_ns) {
