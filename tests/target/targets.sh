@@ -170,29 +170,30 @@ check_guards() { # MACHINE
 
 # All machines at a time: each is a process of its own, with a clock of its own.
 run_all() {
-  echo
-  printf '  %-9s %-9s %5s %7s %9s %6s %8s %8s %12s\n' firmware machine MIPS ticks overruns owed \
-    "worst us" "in flash" stack
+  started=''
   for machine in $machines_all; do
     if ! $target needs "$machine" >/dev/null; then
       not_run "firmware on $machine" "$($target needs "$machine")"
       continue
     fi
+    started="$started $machine"
+    echo "0 1" >"$work/$machine.counts" # of one that does not end
     (
       suite_passed=0 suite_failed=0
-      run_firmwares "$machine" >"$work/$machine.ran"
-      check_guards "$machine" >>"$work/$machine.ran"
+      run_firmwares "$machine"
+      check_guards "$machine"
       echo "$suite_passed $suite_failed" >"$work/$machine.counts"
-    ) &
+    ) >"$work/$machine.said" &
   done
   wait
-  for machine in $machines_all; do
-    $target needs "$machine" >/dev/null || continue
-    cat "$work/$machine.ran"
-    counts="0 1" # of one that did not end
-    if [ -s "$work/$machine.counts" ]; then counts=$(cat "$work/$machine.counts"); fi
-    suite_passed=$((suite_passed + ${counts% *}))
-    suite_failed=$((suite_failed + ${counts#* }))
+  echo
+  printf '  %-9s %-9s %5s %7s %9s %6s %8s %8s %12s\n' firmware machine MIPS ticks overruns owed \
+    "worst us" "in flash" stack
+  for machine in $started; do
+    cat "$work/$machine.said"
+    read -r good bad <"$work/$machine.counts"
+    suite_passed=$((suite_passed + good))
+    suite_failed=$((suite_failed + bad))
   done
 }
 
@@ -268,7 +269,6 @@ check_blank() {
 
 build_all
 if [ "$mode" = test ]; then
-  rm -f "$work"/*.counts
   run_all
   check_console
   if [ -n "$(only m3)" ] && $target needs m3 >/dev/null; then

@@ -120,16 +120,16 @@ static void flood(hand_live *l) {
   }
 }
 
-static void be_earlier(int64_t *due_ns, int64_t other_ns) {
-  if (other_ns < *due_ns) *due_ns = other_ns;
-}
+static int64_t earlier(int64_t a_ns, int64_t b_ns) { return a_ns < b_ns ? a_ns : b_ns; }
 
-static uint32_t until_due_us(const hand_live *l) {
+/* Until something is to be sent, or the runtime has been silent for too long. */
+static int64_t until_due_us(const hand_live *l) {
   const int64_t now = timer_now_ns();
   int64_t due = now + WAIT_NS;
-  if (l->o->flood_hz != 0) be_earlier(&due, l->flood_next_ns);
-  if (l->o->free_running) be_earlier(&due, l->timer.next_ns);
-  return due > now ? (uint32_t)((due - now) / 1000) : 0;
+  if (l->o->flood_hz != 0) due = earlier(due, l->flood_next_ns);
+  if (l->o->free_running) due = earlier(due, l->timer.next_ns);
+  if (l->o->timeout_ms != 0) due = earlier(due, l->last_sync_ns + (int64_t)l->o->timeout_ms * 1000000);
+  return due > now ? (due - now) / 1000 : 0;
 }
 
 static int fell_silent(const hand_live *l) {
