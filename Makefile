@@ -15,7 +15,7 @@ RT_C := $(wildcard rt/*/*.c)
 TOOL_C := $(wildcard tools/*.c tools/*/*.c platform/*.c platform/files/*.c platform/log/*.c platform/linux/*.c)
 UNIT_C := $(wildcard tests/unit/*.c tests/physics/*.c tests/sim/test_*.c)
 HELPER_C := tests/determinism/emit_cases.c tests/target/tape.c tests/cli/alter.c tests/bus/bare_timer.c \
-            tests/bus/flood_facts.c tests/wcet/print_loop_limits.c tests/wcet/longest_path.c tests/wild/wild.c
+            tests/bus/flood_facts.c tests/bus/log_until.c tests/wcet/print_loop_limits.c tests/wcet/longest_path.c tests/wild/wild.c
 
 RT_O := $(RT_C:%.c=$(BUILD)/%.o)
 TOOL_O := $(TOOL_C:%.c=$(BUILD)/%.o)
@@ -155,7 +155,7 @@ run: command ## tear a sheet with two hands from a log of the bus; results in ou
 	$(FRAY) run out/two_hands.img --log tests/scenes/two_hands_yarns.log --record out/two_hands.log --report out
 	$(FRAY) verify out/two_hands.log --scene out/two_hands.img
 
-test: programs ## run every test; SUITES="cli tidy" picks shell suites; PART=2/4 of tables of code, stack, cppcheck
+test: programs ## run every test; SUITES="cli tidy" picks shell suites; PART=2/4 of its wide tables
 	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) SUITES="$(SUITES)" \
 	  sh tests/run_all.sh $(TESTS) $(IMAGE_16) $(WIDE_16) $(FX_NARROW) $(ASSERTED)
 

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # run_all.sh PROGRAM...: runs the shell suites that SUITES names and the test programs, JOBS at a time; suites that
 # share builds one after the other, and these begin first. A line a suite as it ends; the output of a failing one;
-# last one line `N passed, N failed`. Tables of code, stack and cppcheck run in parts: PART, or one that the commit
-# chooses; `make size stack tidy` run them whole.
+# last one line `N passed, N failed`. Tables of hashes, images, symbols, code, stack and cppcheck run in parts: PART,
+# or one that the commit chooses; PART=1/1 runs them whole.
 set -eu
 SUITES=${SUITES:-tidy cli workers hashes images symbols stack size budget_rules cmac_constant dbc_readers other_logs install docs adding parts wild}
 FRAY_BUILD=${BUILD:-build}
@@ -44,7 +44,7 @@ chains() {
   for suite in $SUITES; do
     case $suite in hashes | images | symbols | stack | size | install | docs) ;; *) chain "$suite" ;; esac
   done
-  for program; do echo "${program#"$FRAY_BUILD"/} ./${program#./}"; done
+  for program; do echo "${program#"$FRAY_BUILD"/} ./${program#./}"; done | sort -r # motion first: it takes longest
 }
 chains "$@" >"$RESULTS/chains"
 asked=$(wc -w <"$RESULTS/chains")

@@ -26,6 +26,7 @@ int board_open(const char *interface, uint32_t instance, uint32_t rate_hz, int f
   setting.fd = 1;
   setting.sends_fd = fd;
   linux_board.log = log;
+  linux_board.sync_id = dictionary_id(MESSAGE_SYNC, instance);
   if (!can_open(&linux_board.can, interface, &setting)) return 0;
   timer_begin(&linux_board.timer, rate_hz);
   return 1;
@@ -48,6 +49,7 @@ static can_event receive(frame *f) {
   int64_t time_us;
   const can_event event = can_receive(&linux_board.can, f, &time_us);
   if (event == CAN_ECHO && linux_board.unconfirmed > 0) --linux_board.unconfirmed;
+  if (event == CAN_ECHO && f->id != linux_board.sync_id && linux_board.outputs_awaited > 0) --linux_board.outputs_awaited;
   if (event != CAN_NOTHING) write_log(f, time_us);
   return event;
 }
@@ -107,11 +109,18 @@ static platform_result confirm(const frame *sync, port *p) {
 platform_result platform_sync(const frame *sync, port *p) {
   const platform_result result = confirm(sync, p);
   linux_board.lost = result != PLATFORM_SENT;
+  if (result == PLATFORM_SENT) { /* echoes come in the order of the bus */
+    linux_board.outputs_lost += linux_board.outputs_awaited;
+    linux_board.outputs_awaited = 0;
+  }
   return result;
 }
 
 platform_result platform_send(const frame *f) {
-  if (send_frame(f)) return PLATFORM_SENT;
+  if (send_frame(f)) {
+    ++linux_board.outputs_awaited;
+    return PLATFORM_SENT;
+  }
   ++linux_board.sends_refused;
   return PLATFORM_LOST;
 }

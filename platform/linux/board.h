@@ -14,6 +14,9 @@ typedef struct {
   bus_log *log;            /* the caller's, or NULL */
   uint64_t sends_refused;
   uint32_t unconfirmed;    /* sent, without an echo so far */
+  uint32_t sync_id;
+  uint32_t outputs_awaited; /* of these, all but SYNCs */
+  uint64_t outputs_lost;   /* a later SYNC came back, they did not: an interface that goes takes what it has */
   uint64_t reads_capped;   /* ticks with more frames than are read at once */
   int lost;                /* the last SYNC had no echo */
   volatile int stopping;   /* set by a signal handler: while the bus is lost, platform_wait() returns -1 */

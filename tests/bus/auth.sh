@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # For sessions.sh, which sources it: sessions under a key. CAN FD, with an attacker who replays the
 # session before and says forged frames; TAGs on classic CAN, with a forger; and what does not fit.
-auth_tests='key tags stranger again'
 
 make_keys() {
   ticks_wanted='--ticks 230'
@@ -45,8 +44,6 @@ kept_at() { sed -n "s/^sent $2 //p" "$work/$1.lanes"; } # END ID
 not_used() { sed -n 's/.* good tag, \([0-9]*\) others.*/\1/p' "$work/verify.out"; }
 
 # ---- 11: CAN FD
-flooded() { [ "$(grep -c ' 4..#' "$work/$1.can")" -ge "$2" ]; } # SESSION COUNT: a flood has as many of these as forged frames
-hand_speaks() { grep -q ' 109##' "$work/$1.can" && grep -q ' 10A##' "$work/$1.can" && grep -q ' 020##' "$work/$1.can"; }
 test_key() {
   make_keys
   keyed_until_torn key
@@ -67,11 +64,13 @@ test_key() {
   grep -E ' (10[9A]|020)##' "$work/key.can" | grep -vE ' 020##5.{22}[89A-F]' >"$work/replayed.log"
   ticks_wanted='' # until the attacker has said it all
   keyed_session attack tear
-  until_true hand_speaks attack # a log does not say where the lanes were: see README of rt/wire, Logs
+  # every lane has spoken: a log does not say where the lanes were, see README of rt/wire, Logs
+  for id in 109 10A 020; do until_seen attack 1 "^$id##"; done
   "$fray" hand --can "$device_bus" "$work/hold.hand" --patience 0 --drop 1000 --flood 200 --key "$work/other.key" >"$work/forger.out" 2>&1 &
   forger=$!
   canplayer -I "$work/replayed.log" "$bus=$bus" >"$work/canplayer.out" 2>&1 || fail "canplayer: $(cat "$work/canplayer.out")"
-  until_true flooded attack 1000 || fail "key, attacked: the forger does not come through"
+  # a flood has as many of these as forged frames
+  until_seen attack 1000 '^4..#' || fail "key, attacked: the forger does not come through"
   kill "$forger" 2>/dev/null || true
   wait "$forger" || true
   kill "$fray_pid"
@@ -93,7 +92,6 @@ ever() { awk -v id="$2" -v from="$3" -v want="$4" '$3 ~ "^" id "#" && substr($3,
 # SESSION: one hand has a pose for each SYNC, a second one makes them more
 surplus_poses() { awk '$3 ~ /^101#/ { ++n } $3 ~ /^080#/ { --n } END { print n + 0 }' "$work/$1.can"; }
 forged_poses() { [ "$(surplus_poses "$1")" -ge "$2" ]; } # SESSION COUNT
-said_all() { [ "$(grep -c ' 010#' "$work/forger.can")" -ge 7 ]; } # hold.hand has seven
 test_tags() {
   make_keys
   keyed_until_torn tags --classic-tags
@@ -108,8 +106,8 @@ test_tags() {
   start_log forger
   start_hand forger hold --key "$work/bus.key" --freshness "$work/hand.lanes" --classic-tags
   start_fray forger --record "$work/forger.own" --key "$work/bus.key" --freshness "$work/run.lanes" --classic-tags
-  until_true said_all || fail "tags, forged: the hand has not said its last RESET"
-  until_true forces forger || true
+  until_seen forger 7 '^010#' || fail "tags, forged: the hand has not said its last RESET" # hold.hand has seven commands
+  until_seen forger 1 "$a_force" || true
   "$fray" hand --can "$device_bus" "$work/forger.hand" --patience 0 >"$work/forger.hand2.out" 2>&1 &
   forger=$!
   surplus=$(surplus_poses forger)

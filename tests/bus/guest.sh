@@ -1,26 +1,26 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# tests/bus/guest.sh COMMAND [ARG...]: runs COMMAND where vcan0 is up. A kernel without CAN (a
-# container, a cloud machine) gets a throw-away Linux guest: the host's / is its /, so paths, the
+# tests/bus/guest.sh COMMAND [ARG...]: runs COMMAND where vcan0 is up, in a throw-away Linux guest, for which
+# no kernel with CAN is needed (a container, a cloud machine): the host's / is its /, so paths, the
 # current folder, the environment and the user (root) stay; both streams and the exit status come
 # back; the input is empty. Exit 124: the time limit; 125: no guest, the reason is printed.
 # tests/bus/guest.sh --check: says what is missing, boots nothing.
-#   FRAY_GUEST          host  a new network namespace of this kernel, where it has vcan (root)
-#                       uml   user-mode-linux, one CPU
-#                       qemu  two CPUs; can0 and can1, emulated controllers on one 1 Mbit/s bus
-#                       unset: host if it can be, else uml
+#   FRAY_GUEST          qemu, also unset: vcan0, and can0 and can1, emulated controllers on one 1 Mbit/s bus
+#                       host: a new network namespace of this kernel, where it has vcan (root), in real time
+#   FRAY_GUEST_CPUS     1; its clock counts instructions, a billion a second, and nothing else: how busy the host
+#                       is does not enter, and idle time takes none. 2: in the host's time
 #   FRAY_GUEST_SECONDS  300, then it is killed      FRAY_GUEST_MEMORY  512M
 #   FRAY_GUEST_ORDER    1; 0: vcan0 as it comes, receivers on several CPUs see several orders
-PACKAGES="user-mode-linux busybox-static kmod iproute2 can-utils gcc libc6-dev qemu-system-x86 linux-image-amd64 cpio xz-utils"
+PACKAGES="busybox-static iproute2 can-utils qemu-system-x86 linux-image-amd64 cpio xz-utils"
 set -eu
 environment=$(export -p) # before a variable of this script takes the name of one of the caller's
 
 here=$(cd "$(dirname "$0")" && pwd -P)
-store=$(dirname "$(dirname "$here")")/build/guest # what is made once: the shim, the unpacked kernel
+store=$(dirname "$(dirname "$here")")/build/guest # what is made once: the unpacked kernel
 seconds=${FRAY_GUEST_SECONDS:-300}
 memory=${FRAY_GUEST_MEMORY:-512M}
 order=${FRAY_GUEST_ORDER:-1}
-uml_modules='can-dev vcan can can-raw can-bcm can-gw'
+cpus=${FRAY_GUEST_CPUS:-1}
 qemu_modules='virtio_ring virtio virtio_pci_modern_dev virtio_pci_legacy_dev virtio_pci virtio_console
   netfs fscache 9pnet 9pnet_virtio 9p can-dev vcan can can-raw can-bcm can-gw can-isotp sja1000 kvaser_pci'
 
@@ -51,12 +51,6 @@ check() {
   need ip iproute2
   case $kind in
     host) host_has_vcan || die "FRAY_GUEST=host: \`ip link add type vcan\` does not work here (root? CONFIG_CAN_VCAN?)" ;;
-    uml)
-      need linux.uml user-mode-linux
-      need cc 'gcc libc6-dev'
-      need insmod kmod
-      need /bin/busybox busybox-static
-      ;;
     qemu)
       need qemu-system-x86_64 qemu-system-x86
       need cpio cpio
@@ -65,7 +59,7 @@ check() {
       release=$(find_kernel)
       [ -n "$release" ] || missing="$missing linux-image-amd64"
       ;;
-    *) die "FRAY_GUEST=$kind, expected host, uml or qemu" ;;
+    *) die "FRAY_GUEST=$kind, expected host or qemu" ;;
   esac
   [ -z "$missing" ] || die "no $kind guest; Debian 12 has it: apt-get install --no-install-recommends$missing"
 }
@@ -84,15 +78,6 @@ write_command() {
     quoted "$word" | sed '$s/$/ \\/'
   done
   printf '\n"$@"\nexit $?\n'
-}
-
-# Debian 12's linux.uml gives up where the processor's XSAVE area is larger than it knows.
-make_shim() {
-  if [ ! "$store/xsave.so" -nt "$here/guest/xsave.c" ]; then
-    mkdir -p "$store"
-    cc -std=c11 -O2 -Wall -Wextra -Werror -shared -fPIC -o "$run/xsave.so" "$here/guest/xsave.c" || die "cannot compile guest/xsave.c"
-    mv "$run/xsave.so" "$store/xsave.so"
-  fi
 }
 
 # QEMU starts an unpacked kernel two seconds sooner: emulated, the unpacking is slow. The Linux boot
@@ -139,25 +124,13 @@ start_host() {
            echo $? >"$2/status"' sh "$here" "$run" "$order"
 }
 
-start_uml() {
-  ulimit -c 0
-  files=''
-  version=$(linux.uml --version)
-  for module in $uml_modules; do
-    files=$files$(find "/usr/lib/uml/modules/$version" -name "$module.ko" | head -n 1),
-  done
-  # the guest's memory is a file without a name, in /dev/shm if that is large enough
-  shm_kb=$(df -Pk /dev/shm 2>/dev/null | awk 'NR == 2 { print $4 }')
-  if [ "${shm_kb:-0}" -lt 1000000 ]; then export TMPDIR="$run"; fi
-  limited env LD_PRELOAD="$store/xsave.so" linux.uml mem="$memory" quiet \
-    rootfstype=hostfs rootflags=/ rw init="$here/guest/init.sh" umid=guest uml_dir="$run" \
-    initcall_blacklist=raid6_select_algo con=null ssl=null con0=null,fd:5 con1=null,fd:3 con2=null,fd:4 \
-    fray_run="$run" fray_order="$order" fray_streams=/dev/tty1,/dev/tty2 fray_modules="${files%,}" \
-    >"$run/monitor" 2>&1 3>>"$run/out" 4>>"$run/err" 5>"$run/console"
-}
-
 start_qemu() {
-  limited qemu-system-x86_64 -accel tcg,thread=multi,tb-size=256 -cpu max -smp 2 -m "$memory" \
+  case $cpus in
+    1) clock='-accel tcg,thread=single,tb-size=256 -icount shift=0,sleep=off' ;;
+    *) clock='-accel tcg,thread=multi,tb-size=256' ;;
+  esac
+  # shellcheck disable=SC2086
+  limited qemu-system-x86_64 $clock -cpu max -smp "$cpus" -m "$memory" \
     -M pc,usb=off,vmport=off -nodefaults -no-user-config -display none -no-reboot -serial "file:$run/console" \
     -kernel "$kernel" -initrd "$run/first.cpio" -append "console=ttyS0 quiet panic=-1 nokaslr mitigations=off \
       random.trust_cpu=on initcall_blacklist=crypto_kdf108_init,init_kprobe_trace fray_init=$here/guest/init.sh \
@@ -174,7 +147,6 @@ readers=''
 clean_up() {
   code=$?
   trap - EXIT INT TERM HUP
-  # TERM lets user-mode-linux end its own processes; KILL then takes what is left of the group
   if [ -n "$guest" ]; then
     kill -TERM "$guest" 2>/dev/null && sleep 0.2
     kill -KILL -- "-$guest" 2>/dev/null || true
@@ -184,10 +156,10 @@ clean_up() {
   exit "$code"
 }
 
+case $cpus in 1 | 2) ;; *) die "FRAY_GUEST_CPUS=$cpus, expected 1 or 2" ;; esac
 case $seconds in '' | *[!0-9]*) die "FRAY_GUEST_SECONDS=$seconds, expected a whole number" ;; esac
 [ $# -gt 0 ] || { sed -n '3,16s/^# \{0,1\}//p' "$0" && exit 2; }
-kind=${FRAY_GUEST:-}
-if [ -z "$kind" ]; then if host_has_vcan; then kind=host; else kind=uml; fi; fi
+kind=${FRAY_GUEST:-qemu}
 check
 if [ "$1" = --check ]; then exit 0; fi
 
@@ -198,10 +170,7 @@ trap 'exit 129' HUP
 run=$(mktemp -d "${TMPDIR:-/tmp}/fray-guest.XXXXXX")
 case $here$run in *[[:space:],]*) die "a kernel's command line takes no path with a space or a comma: $here, $run" ;; esac
 write_command "$@" >"$run/command"
-case $kind in
-  uml) make_shim ;;
-  qemu) unpack_kernel && make_first_root ;;
-esac
+if [ "$kind" = qemu ]; then unpack_kernel && make_first_root; fi
 
 : >"$run/out"
 : >"$run/err"
@@ -215,7 +184,7 @@ if [ $kind != host ]; then
   readers="$readers $!"
 fi
 ended=0
-wait "$guest" 2>/dev/null || ended=$? # user-mode-linux can abort as it powers off, all written: no word of it
+wait "$guest" 2>/dev/null || ended=$?
 kill -KILL -- "-$guest" 2>/dev/null || true
 guest=''
 for reader in $readers; do wait "$reader" || true; done # they end when the guest has

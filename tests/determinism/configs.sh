@@ -9,7 +9,8 @@
 #   TOOLS, PACKAGES              what it takes, and where Debian has it
 # and returns 1 where something of it is missing.
 # shellcheck disable=SC2034
-CONFIGS_SHORT="gcc-O0 gcc-native gcc-id16 gcc-narrow clang-O3 s390x-O2 m3-O2"
+# in four parts; what a part of CONFIGS_SHORT builds, the same part of the lists of images.sh and symbols.sh uses again
+CONFIGS_SHORT="clang-O3 s390x-O2 gcc-id16 m3-O2 gcc-O0 gcc-native gcc-narrow"
 CONFIGS_FULL="gcc-O0 gcc-O1 gcc-O2 gcc-O3 gcc-Os gcc-native gcc-id16 gcc-narrow gcc-checked
   clang-O0 clang-O2 clang-O3 clang-Os clang-native
   i386-O0 i386-O2 i386-O3 armhf-O0 armhf-O2 armhf-O3 aarch64-O0 aarch64-O2 aarch64-O3

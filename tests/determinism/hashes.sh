@@ -4,7 +4,7 @@
 # every machine, with every compiler and option of configs.sh, as tests/golden says. One row a
 # configuration, JOBS of them at a time.
 # `full` compares what the command makes on other machines too: images, and a run of `make run`. PART=2/4: the
-# second of four parts of its configurations.
+# second of four parts of the configurations of `short` or `full`.
 # `update` writes tests/golden anew from gcc -O2: a commit of its own, that says why.
 . tests/lib/suite.sh
 . tests/determinism/configs.sh
@@ -307,11 +307,8 @@ row configuration machine bits order "compiler, options" ticks hashes reopened i
   "against tests/golden"
 case $mode in
   only) check_list "$@" ;;
-  short)
-    check_id
-    check_list $CONFIGS_SHORT ;;
+  short) check_list $(sh tests/part.sh share "${PART:-1/1}" $CONFIGS_SHORT) ;;
   full)
-    check_id
     prepare_run
     # images of the host, against which the other machines' are compared
     if sh tests/determinism/images.sh here; then pass; else fail "images of the host"; fi

@@ -3,7 +3,8 @@
 # images.sh [here|only NAME...|update]: one scene gives the same image, byte for byte, from the scene
 # compiler of every compiler and machine, one script the same log, and one run the same pictures in
 # every look; and every scene in tests the image of tests/golden/images.txt. `here` makes the images to
-# compare with and checks that list, `only` does neither, `update` writes the list.
+# compare with and checks that list, `only` does neither, `update` writes the list. PART=2/4: the second of four
+# parts of the compilers and machines.
 . tests/lib/suite.sh
 . tests/determinism/configs.sh
 
@@ -13,7 +14,7 @@ scenes="tests/scenes/small.scene tests/determinism/torn.scene tests/determinism/
   tests/determinism/matrix8.scene tests/determinism/mirror8.scene tests/determinism/twill16.scene tests/determinism/satin24.scene
   tests/determinism/frayed.scene tests/determinism/allyarn.scene tests/determinism/stretched.scene tests/determinism/membrane_tear.scene tests/determinism/meshes.scene tests/determinism/contact_triangles.scene tests/determinism/blade_cut.scene
   tests/determinism/yarn_collision.scene tests/determinism/triangle_collision.scene tests/determinism/cracked.scene"
-list="gcc-id16 clang-O3 s390x-O2"
+list=$(sh tests/part.sh share "${PART:-1/1}" clang-O3 s390x-O2 gcc-id16)
 mode=${1:-short}
 [ $# -eq 0 ] || shift
 mkdir -p "$work"

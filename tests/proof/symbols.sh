@@ -7,10 +7,11 @@
 #   - x86-64: no x87 instruction, and of SSE and AVX only moves, shuffles, logic and integers;
 #     M3: no VFP instruction;
 #   - it compiles with general registers only, and the words float and double are nowhere in rt.
+# PART=2/4: the first three in the second of four parts of the configurations.
 . tests/lib/suite.sh
 . tests/determinism/configs.sh
 
-list="gcc-O3 gcc-native clang-O3 i386-O2 s390x-O2 m3-O2"
+list=$(sh tests/part.sh share "${PART:-1/1}" clang-O3 s390x-O2 gcc-O3 m3-O2 i386-O2 gcc-native)
 work=$FRAY_BUILD/cross/symbols
 mkdir -p "$work"
 

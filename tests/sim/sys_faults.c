@@ -192,7 +192,7 @@ ssize_t sys_send(int fd, const void *data, size_t bytes) {
   f.id = raw.can_id & CAN_SFF_MASK;
   f.length = raw.len;
   memcpy(f.data, raw.data, 8);
-  if (sys.deaf) return (ssize_t)bytes;
+  if (sys.deaf || (sys.swallowed != 0 && f.id == sys.swallowed)) return (ssize_t)bytes;
   bring(&f, 1, ECHO_NS);
   answer(&f);
   return (ssize_t)bytes;

@@ -46,6 +46,7 @@ typedef struct {
   int signal;
   uint32_t down;       /* the interface: a bound socket says ENETDOWN */
   uint32_t deaf;       /* the bus does not confirm: nothing sent comes back */
+  uint32_t swallowed;  /* frames of this id do not come back; 0: all do */
   uint32_t sockets;    /* open */
   uint32_t filters;    /* 0: everything */
   struct {

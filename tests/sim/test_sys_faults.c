@@ -350,6 +350,25 @@ static void unconfirmed(void) {
   end();
 }
 
+/* An interface that goes down takes a FORCE with it that it had accepted: no call fails, and it is counted. */
+static void swallowed(void) {
+  in = "swallowed";
+  begin_warm();
+  sys.swallowed = dictionary_id(MESSAGE_FORCE_LEFT, 0);
+  run_ticks(3);
+  sys.swallowed = 0;
+  CHECK_EQ_INT(linux_board.outputs_lost, 2);
+  run_ticks(10);
+  CHECK_EQ_INT(linux_board.outputs_lost, 3);
+  CHECK_EQ_INT(l.frames_lost, 0);
+  sys.deaf = 1;
+  for (int n = 0; n < 20; ++n) CHECK_EQ_INT(run(), LOOP_BUS_LOST);
+  sys.deaf = 0;
+  run_ticks(10);
+  CHECK_EQ_INT(linux_board.outputs_lost, 3); /* SYNCs are no outputs */
+  end();
+}
+
 /* Bus-off that ends without an error frame, as `ip link set down; up` ends it. */
 static void bus_off_ends_by_an_echo(void) {
   in = "bus-off";
@@ -379,6 +398,7 @@ int main(void) {
   TEST(full_disk);
   TEST(full_disk_with_room_again);
   TEST(unconfirmed);
+  TEST(swallowed);
   TEST(bus_off_ends_by_an_echo);
   figure("sys_fault_cases", cases, "", "every call, 7 errnos, once and 50 in a row");
   figure("sys_fault_recovery_worst", (double)worst_recovery_ns / 1e6, "ms", "100");

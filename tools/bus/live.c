@@ -102,8 +102,8 @@ static void print_bus(const loop *l, const bus_key *key) {
          "             wrong length %u, wrong flags %u, wrong field %u, unknown id %u, queue full %u\n",
          b->can.name, p->accepted, p->repeated, p->old, p->lost, p->wrong_crc, p->wrong_length,
          p->wrong_flags, p->wrong_field, p->unknown_id, p->queue_full);
-  printf("             kernel drops %u, error frames %" PRIu64 ", sends refused %" PRIu64 ", frames lost %u, SYNCs lost %u\n",
-         b->can.kernel_drops, b->can.error_frames, b->sends_refused, l->frames_lost, l->bus_losses);
+  printf("             kernel drops %u, error frames %" PRIu64 ", sends refused %" PRIu64 ", frames lost %" PRIu64 ", SYNCs lost %u\n",
+         b->can.kernel_drops, b->can.error_frames, b->sends_refused, l->frames_lost + b->outputs_lost, l->bus_losses);
   printf("lateness     p50 %.0f us, p99 %.0f us, worst %.0f us; %u ticks missed\n",
          timer_quantile_us(&b->timer, 0.5), timer_quantile_us(&b->timer, 0.99),
          (double)b->timer.worst_ns / 1e3, l->overruns);

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # Process 1 of the guest, on the host's files. The kernel's command line gives fray_run (the run's
-# folder), fray_order, fray_streams (two devices, out and err) and fray_modules.
+# folder), fray_order and fray_streams (two devices, out and err).
 [ $$ -eq 1 ] && [ -n "$fray_run" ] || { echo 'init.sh: not in a guest' >&2 && exit 1; }
 export PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
 mount -t devtmpfs dev /dev
@@ -15,9 +15,6 @@ ln -s fd/0 /dev/stdin
 ln -s fd/1 /dev/stdout
 ln -s fd/2 /dev/stderr
 echo fray-guest >/proc/sys/kernel/hostname
-IFS=,
-for module in ${fray_modules:-}; do insmod "$module"; done
-unset IFS
 
 finish() { # the host reads the status only after sync
   sync
@@ -34,7 +31,6 @@ until [ -e "$out" ] && [ -e "$err" ] || [ $tries -eq 100 ]; do
   sleep 0.02
 done
 exec 3>"$out" 4>"$err" || finish
-if [ -t 3 ]; then stty raw <&3 && stty raw <&4; fi
 mkfifo /dev/fray-out /dev/fray-err
 cat /dev/fray-out >&3 &
 cat /dev/fray-err >&4 &

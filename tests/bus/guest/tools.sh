@@ -64,7 +64,7 @@ cangw -F >/dev/null 2>&1
 ip link del vcan1
 
 if [ "${1:-}" = controllers ]; then
-  check 'two CPUs' [ "$(nproc)" -eq 2 ]
+  check 'its CPUs' [ "$(nproc)" -eq "$FRAY_GUEST_CPUS" ]
   ip -details link show can0 >link.txt
   check 'can0 is up at 1 Mbit/s' has_line 'bitrate 1000000 ' link.txt
   listen right.log can1 3
