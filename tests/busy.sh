@@ -28,9 +28,9 @@ done
 ${MAKE_COMMAND:-make} $variables programs >"$out/build.txt" 2>&1 || { tail -n 20 "$out/build.txt"; exit 1; }
 n=0
 while [ $n -lt "${BUSY:-20}" ]; do
-  # in a session of its own, since an autogroup of the kernel would give all of them the share of one; it
-  # ends with this script, however that ends
-  setsid sh -c 'while kill -0 "$1" 2>/dev/null; do :; done' busy $$ &
+  # in the session of the suites, since the kernel gives each session (autogroup) the same share; it ends with
+  # this script, however that ends
+  sh -c 'while kill -0 "$1" 2>/dev/null; do :; done' busy $$ &
   busy="$busy $!"
   n=$((n + 1))
 done

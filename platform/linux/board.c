@@ -48,8 +48,10 @@ static int send_frame(const frame *f) {
 static can_event receive(frame *f) {
   int64_t time_us;
   const can_event event = can_receive(&linux_board.can, f, &time_us);
-  if (event == CAN_ECHO && linux_board.unconfirmed > 0) --linux_board.unconfirmed;
-  if (event == CAN_ECHO && f->id != linux_board.sync_id && linux_board.outputs_awaited > 0) --linux_board.outputs_awaited;
+  if (event == CAN_ECHO) {
+    if (linux_board.unconfirmed > 0) --linux_board.unconfirmed;
+    if (f->id != linux_board.sync_id && linux_board.outputs_awaited > 0) --linux_board.outputs_awaited;
+  }
   if (event != CAN_NOTHING) write_log(f, time_us);
   return event;
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* log_until FILE.log SYNCS COUNT LIKE [AFTER]: sleeps until the log that candump writes has COUNT frames, `ID#DATA`, that
- * match the extended regular expression LIKE, the first that matches AFTER and later ones only. Exit 1 after 5 minutes,
- * or where the log has SYNCS SYNCs more than at first (`-`: any number) and still not that; 2 for wrong use.
- * One process for the whole wait: in a guest each process that a shell starts costs ten ticks. */
+/* log_until FILE.log SYNCS COUNT LIKE [AFTER]: sleeps until the log that candump writes has COUNT frames,
+ * `ID#DATA`, that match the extended regular expression LIKE, the first that matches AFTER and later ones only.
+ * Exit 1 after 5 minutes, or where the log has SYNCS SYNCs more than at first (`-`: any number) and still not
+ * that; 2 for wrong use. One process for the whole wait: each that a shell starts costs several ticks. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <regex.h>
@@ -56,7 +56,8 @@ int main(int argc, char **argv) {
   read_on(&wait, log);
   const long first_syncs = wait.syncs;
   const time_t began = time(NULL);
-  while (wait.seen < wait.wanted && (limit < 0 || wait.syncs < first_syncs + limit) && time(NULL) <= began + PATIENCE_S) {
+  while (wait.seen < wait.wanted && (limit < 0 || wait.syncs < first_syncs + limit) &&
+         time(NULL) <= began + PATIENCE_S) {
     nanosleep(&(struct timespec){.tv_nsec = LOOK_NS}, NULL);
     read_on(&wait, log);
   }
