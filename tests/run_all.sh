@@ -5,7 +5,7 @@
 # last one line `N passed, N failed`. Tables of hashes, images, symbols, code, stack and cppcheck run in parts: PART,
 # or one that the commit chooses; PART=1/1 runs them whole.
 set -eu
-SUITES=${SUITES:-tidy cli workers hashes images symbols stack size budget_rules cmac_constant dbc_readers other_logs install docs adding parts wild}
+SUITES=${SUITES:-tidy cppcheck cli workers hashes images symbols stack size budget_rules cmac_constant dbc_readers other_logs install docs adding parts wild}
 FRAY_BUILD=${BUILD:-build}
 FRAY=${FRAY:-$FRAY_BUILD/fray}
 RESULTS=$FRAY_BUILD/tests/results
@@ -44,7 +44,7 @@ chains() {
   for suite in $SUITES; do
     case $suite in hashes | images | symbols | stack | size | install | docs) ;; *) chain "$suite" ;; esac
   done
-  for program; do echo "${program#"$FRAY_BUILD"/} ./${program#./}"; done | sort -r # motion first: it takes longest
+  for program; do echo "${program#"$FRAY_BUILD"/} ./${program#./}"; done | sort # physics first, the longest
 }
 chains "$@" >"$RESULTS/chains"
 asked=$(wc -w <"$RESULTS/chains")
