@@ -50,7 +50,7 @@ for tool in candump canplayer cansend; do
   have $tool || { not_run "$tool" can-utils && ready=0; }
 done
 if [ $ready = 1 ]; then
-  export FRAY_GUEST_SECONDS="${FRAY_GUEST_SECONDS:-6000}"
+  export FRAY_GUEST_SECONDS="${FRAY_GUEST_SECONDS:-1200}"
   if [ "${1:-}" = qemu ]; then
     sessions controllers
     FRAY_GUEST_CPUS=2 FRAY_GUEST_ORDER=0 sessions unpinned
