@@ -6,7 +6,7 @@
  *                   within that length, inward from the vertex on the boundary whose edges have most to let
  *                   go. While a crack has a tip only where `many` says so, farther than that length from all
  *   a tip goes on   by an edge a tick, across its own stress, forward (trimesh_advance.h); it ends where it
- *                   meets a boundary
+ *                   meets a boundary. Where none may begin, the stress around tips is all that is found
  *
  * (Haptic tearing of 2017, section V: the eigenvector of the largest eigenvalue, then the tip alone.) After a
  * crack none goes on for `cooldown` ticks, in which the stress finds its new balance. */
@@ -294,7 +294,8 @@ void crack_advance(fray_world *w) {
     --*cooldown;
     return;
   }
-  stress_average_begin(w);
+  if (may_begin) membrane_stress_update(w);
+  stress_average_begin(w, may_begin);
   advance_tips(w);
   if (may_begin) begin_crack(w);
   if (w->work.tears != before) *cooldown = w->membrane.tear_strengths[0].cooldown;

@@ -9,9 +9,10 @@
 
 /* Once a tick, before the substeps. */
 void membrane_stress_update(fray_world *w); /* stress of every triangle, at the beginning of the tick */
+void membrane_stress_find(fray_world *w, uint32_t first, uint32_t end); /* of some of them */
 void membrane_tear_apply(fray_world *w);    /* splits the vertex that exceeds its strength most */
 #if FRAY_CRACKS
-void crack_advance(fray_world *w);          /* in its place: tips of an isotropic sheet go on, one begins */
+void crack_advance(fray_world *w);          /* for both: tips of an isotropic sheet go on, one begins */
 #else
 static inline void crack_advance(fray_world *w) { (void)w; }
 #endif

@@ -7,7 +7,7 @@
  *
  *   impulse = A r s U h^2 / (i m) 2^26:   gain(A, c) = A c h^2 / (i m) 2^30, so stress has four bits more
  *
- * with c at the smoothed strain (state/material.h). */
+ * with c at the smoothed strain (state/material.h), or the one of an isotropic sheet. */
 #include "rt/membrane/membrane.h"
 #include "rt/membrane/strain_law.h"
 
@@ -57,15 +57,17 @@ void membrane_gains_update(fray_world *w) {
   FRAY_ASSERT(world_has_membrane(w));
   const trimesh *s = &w->trimesh;
   const unsigned shift = (unsigned)w->membrane.constants->force_shift;
+  const int is_corotational = world_is_corotational(w);
   update_inverse_masses(w);
   for (uint32_t t = 0; t < triangles_in_use(w); ++t) {
     FRAY_ASSERT(s->area[t] > 0 && s->area[t] < TRIMESH_AREA_MAX);
     int32_t *c = w->membrane.gains[t].c;
+    const int32_t *from = is_corotational ? w->membrane.materials[s->material[t]].stretch[0] : c;
     const int32_t area = fx_mul_round((int32_t)s->area[t], membrane_softening(w, t), 30);
     const int32_t gain = fx_mul_round(area, w->membrane.constants->force_gain, 30);
     for (uint32_t n = 0; n < MATERIAL_ENTRIES; ++n)
-      c[n] = fx_mul_saturated(c[n], gain, shift);
-    w->membrane.strain_threshold[t] = world_is_corotational(w) ? STRAIN_LAW_MAX : threshold_of(w, t, c);
+      c[n] = fx_mul_saturated(from[n], gain, shift);
+    w->membrane.strain_threshold[t] = is_corotational ? STRAIN_LAW_MAX : threshold_of(w, t, c);
   }
   bend_prepare(w);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The stress of every triangle at the beginning of a tick; membrane_tear.c tears by it. SIMD twin:
+/* The stress of triangles at the beginning of a tick; membrane_tear.c and crack.c tear by it. SIMD twin:
  * rt/simd/membrane_stress_lanes.inl.h.
  *
  *   U, V     what weft and warp have become (2.26, 2.27)       Q28       deformation_of()
@@ -7,9 +7,9 @@
  *   c        stiffness at the smoothed strain (2.59)           Q12 N/m   material_stiffness()
  *   stress   c G (2.60), times membrane_softening(), Q30       Q12 N/m   material_stress()
  *
- * (Karaoz 2015.) Of an isotropic sheet it is T of corotational.h. c stays in `gains` until
- * membrane_gains_update() makes gains of it, with which membrane_force.c computes the force in each
- * elastic step. */
+ * (Karaoz 2015.) Of an isotropic sheet it is T of corotational.h, and c that of its material. Else c stays
+ * in `gains` until membrane_gains_update() makes gains of it, with which membrane_force.c computes the force
+ * in each elastic step. */
 #include "rt/membrane/membrane.h"
 #include "rt/simd/simd.h"
 #include "rt/state/corotational.h"
@@ -39,11 +39,10 @@ static void soften(material_tensor *stress, int32_t softening) {
 #if FRAY_CRACKS
 /* c is the same at any strain, so none is smoothed. */
 static void stress_corotational(const fray_world *w, uint32_t t) {
+  FRAY_ASSERT(w->trimesh.area[t] > 0 && w->trimesh.material[t] < w->trimesh.params->materials);
   const deformation d = deformation_of(w, t);
-  int32_t *c = w->membrane.gains[t].c;
+  const int32_t *c = w->membrane.materials[w->trimesh.material[t]].stretch[0];
   material_tensor counted;
-  for (uint32_t n = 0; n < MATERIAL_ENTRIES; ++n)
-    c[n] = w->membrane.materials[w->trimesh.material[t]].stretch[0][n];
   (void)corotational_stress(c, material_strain(d.u, d.v), &counted);
   w->membrane.stress[t] = material_stress(c, counted);
   soften(&w->membrane.stress[t], membrane_softening(w, t));
@@ -66,24 +65,24 @@ static void stress_triangle(const fray_world *w, uint32_t t) {
   soften(stress, softening);
 }
 
-void membrane_stress_update(fray_world *w) {
-  FRAY_ASSERT(world_has_membrane(w));
+void membrane_stress_find(fray_world *w, uint32_t first, uint32_t end) {
+  FRAY_ASSERT(world_has_membrane(w) && end <= triangles_in_use(w));
   const trimesh *s = &w->trimesh;
   const membrane_params *c = w->membrane.constants;
   const stress_view view = {{w->p.x, w->p.y, w->p.z}, s->triangle, s->weights, w->membrane.materials,
                             s->material, (unsigned)c->smoothing_shift, c->norm2_max,
                             w->membrane.smoothed_strains, w->membrane.gains, w->membrane.stress};
-  const uint32_t count = triangles_in_use(w);
   const int is_corotational = world_is_corotational(w);
   uint32_t left = SIMD_LEFT;
-  FRAY_ASSERT(count <= w->capacity[POOL_TRIANGLES]);
-  for (uint32_t t = 0; t < count;) {
-    const uint32_t taken = is_corotational ? simd_corotational_stress(w->kernel, &view, t, count)
-                                           : simd_membrane_stress(w->kernel, &view, t, count);
+  for (uint32_t t = first; t < end;) {
+    const uint32_t taken = is_corotational ? simd_corotational_stress(w->kernel, &view, t, end)
+                                           : simd_membrane_stress(w->kernel, &view, t, end);
     t += taken;
     left = simd_left(left, taken);
-    for (uint32_t n = 0; n < left && t < count; ++n, ++t)
+    for (uint32_t n = 0; n < left && t < end; ++n, ++t)
       if (is_corotational) stress_corotational(w, t);
       else stress_triangle(w, t);
   }
 }
+
+void membrane_stress_update(fray_world *w) { membrane_stress_find(w, 0, triangles_in_use(w)); }

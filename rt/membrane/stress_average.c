@@ -6,6 +6,8 @@
  *   sums       stress times weight, of 256: below 2^61 */
 #include "rt/membrane/stress_average.h"
 
+#include "rt/membrane/membrane.h"
+
 #if FRAY_CRACKS
 
 typedef struct {
@@ -17,25 +19,42 @@ typedef struct {
   index_t found[STRESS_AVERAGE_TRIANGLES];
 } average_search;
 
-void stress_average_begin(fray_world *w) {
+enum {
+  STRESS_UNKNOWN = 0,
+  STRESS_KNOWN = 1, /* in no average yet */
+  STRESS_GROUP = 16 /* found at a time, since kernels take neighbours by number */
+};
+
+void stress_average_begin(fray_world *w, int is_known) {
   FRAY_ASSERT(world_has_cracks(w));
-  w->membrane.averages = 0;
-  for (uint32_t t = 0; t < w->capacity[POOL_TRIANGLES]; ++t) w->membrane.averaged[t] = 0;
+  w->membrane.averages = STRESS_KNOWN;
+  for (uint32_t t = 0; t < w->capacity[POOL_TRIANGLES]; ++t)
+    w->membrane.averaged[t] = is_known ? STRESS_KNOWN : STRESS_UNKNOWN;
 }
 
-/* r^2, Q30; above 1 beyond the radius. */
-static uint32_t distance_of(const average_search *a, uint32_t t) {
+/* The square of the way from the vertex, of three times its length. */
+static uint64_t distance_of(const average_search *a, uint32_t t) {
   const trimesh *s = &a->w->trimesh;
   const index_t *v = s->triangle[t].v;
   const int64_t u = (int64_t)s->u[v[0]] + s->u[v[1]] + s->u[v[2]] - 3 * (int64_t)a->centre.u;
   const int64_t w = (int64_t)s->v[v[0]] + s->v[v[1]] + s->v[v[2]] - 3 * (int64_t)a->centre.v;
-  const uint64_t squared = fx_square(fx_saturate(u)) + fx_square(fx_saturate(w));
-  if (squared >= a->reach) return UINT32_MAX;
-  return fx_divide_wide(squared >> a->shift << 30, (uint32_t)(a->reach >> a->shift));
+  return fx_square(fx_saturate(u)) + fx_square(fx_saturate(w));
 }
 
+static void find_stress(fray_world *w, uint32_t t) {
+  const uint32_t triangles = triangles_in_use(w);
+  const uint32_t first = t - t % STRESS_GROUP;
+  const uint32_t end = triangles - first > STRESS_GROUP ? first + STRESS_GROUP : triangles;
+  membrane_stress_find(w, first, end);
+  for (uint32_t n = first; n < end; ++n)
+    if (w->membrane.averaged[n] == STRESS_UNKNOWN) w->membrane.averaged[n] = STRESS_KNOWN;
+}
+
+static int is_found(const average_search *a, uint32_t t) { return a->w->membrane.averaged[t] == a->mark; }
+
 static void find(average_search *a, uint32_t t) {
-  if (a->count == STRESS_AVERAGE_TRIANGLES || a->w->membrane.averaged[t] == a->mark) return;
+  if (a->count == STRESS_AVERAGE_TRIANGLES || is_found(a, t)) return;
+  if (a->w->membrane.averaged[t] == STRESS_UNKNOWN) find_stress(a->w, t);
   a->w->membrane.averaged[t] = a->mark;
   a->found[a->count++] = (index_t)t;
 }
@@ -48,7 +67,7 @@ static void find_around(average_search *a, uint32_t vertex) {
   for (uint32_t n = 0; n < a->count; ++n)
     for (uint32_t k = 0; k < 3; ++k) {
       const uint32_t other = trimesh_neighbour(s, a->found[n], k);
-      if (other != TRIMESH_NONE && distance_of(a, other) != UINT32_MAX) find(a, other);
+      if (other != TRIMESH_NONE && !is_found(a, other) && distance_of(a, other) < a->reach) find(a, other);
     }
 }
 
@@ -71,7 +90,9 @@ sym2 stress_average(fray_world *w, uint32_t vertex, int32_t radius) {
   find_around(&a, vertex);
   for (uint32_t n = 0; n < a.count; ++n) {
     const uint32_t t = a.found[n];
-    const uint32_t squared = distance_of(&a, t);
+    const uint64_t distance = distance_of(&a, t);
+    if (distance >= a.reach) continue;
+    const uint32_t squared = fx_divide_wide(distance >> a.shift << 30, (uint32_t)(a.reach >> a.shift));
     if (squared >= 1u << 30) continue;
     const uint32_t left = (1u << 30) - squared;
     const uint64_t share = fx_mul_wide_u(left, left) >> 30;

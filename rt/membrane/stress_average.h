@@ -13,9 +13,9 @@ static inline int32_t stress_average_held(int64_t stress) {
   return (int32_t)fx_clamp64(stress, -STRESS_AVERAGE_MAX, STRESS_AVERAGE_MAX);
 }
 
-/* Forgets which triangles were looked at. Once a tick, before the first average. Cost: linear in
- * triangles. */
-void stress_average_begin(fray_world *w);
+/* Once a tick, before the first average: the stress of all triangles is known, or each is found when an
+ * average has it first. Cost: linear in triangles. */
+void stress_average_begin(fray_world *w, int is_known);
 
 /* Of triangles whose middle is within `radius` of the vertex at rest, Q24 lu, and that hang together with it
  * there: weighed by area and (1 - r^2)^2, r the distance over the radius. Q12 N/m. The first

@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "rt/self_collision/patches.h"
 
-enum {
-  FAST_TICKS = 1,      /* a triangle that exceeds its default budget in so many ticks is fast */
-  BUDGET_FRACTION = 8  /* default budget: that fraction of the mean width of triangles */
-};
+enum { BUDGET_FRACTION = 8 }; /* default budget: that fraction of the mean width of triangles */
 
 /* ---- travel ---- */
 
@@ -88,6 +85,19 @@ static void set_box(fray_world *w, uint32_t t, int32_t margin) {
   const vec3 margins = vec_make(margin, margin, margin);
   b->low = vec_sub(vec_min(vec_min(p, q), r), margins);
   b->high = vec_add(vec_max(vec_max(p, q), r), margins);
+}
+
+/* Its paths in this tick, less the mean of its patch. */
+static void set_swept_box(fray_world *w, uint32_t t, int32_t margin) {
+  triangle_box *b = &w->tri.boxes[t];
+  const vec3 mean = w->tri.patches[b->patch].mean;
+  const vec3 margins = vec_make(margin, margin, margin);
+  set_box(w, t, margin);
+  for (uint32_t k = 0; k < 3; ++k) {
+    const vec3 end = vec_sub(w->self.paths[b->v[k]].end, mean);
+    b->low = vec_min(b->low, vec_sub(end, margins));
+    b->high = vec_max(b->high, vec_add(end, margins));
+  }
 }
 
 static const box_cluster empty_box = {{INT32_MAX, INT32_MAX, INT32_MAX},
@@ -215,7 +225,7 @@ void patches_begin(fray_world *w) {
     for (uint32_t b = 0; b < a; ++b) patches_pair(w, a, b)->budget = -1;
   }
   l->default_budget = (int32_t)(width / triangles_in_use(w) / BUDGET_FRACTION) + 1;
-  l->pairs = 0;
+  l->pairs = l->lasting = 0;
   l->valid = 1;
   remember_topology(w);
 }
@@ -236,13 +246,29 @@ void patches_follow(fray_world *w) {
 static void relist(fray_world *w, uint32_t t, int32_t travel) {
   triangle_pair_list *l = w->tri.list;
   triangle_travel *listed = &w->tri.travel[t];
-  w->tri.boxes[t].fast = l->this_tick_only != 0 || (int64_t)FAST_TICKS * travel > l->default_budget;
-  for (uint32_t k = 0; k < 3; ++k) listed->from[k] = corner_of(w, t, k);
-  listed->travelled = 0;
-  listed->budget = w->tri.boxes[t].fast != 0 ? travel : l->default_budget;
   w->tri.predicted_travel[t] = TRIANGLE_PAIR_STALE;
+  listed->allowance = travel;
   FRAY_ASSERT(l->stale < triangles_in_use(w));
   w->tri.stale[l->stale++] = (index_t)t;
+  if (l->this_search_only != 0) return;
+  w->tri.boxes[t].fast = travel > l->default_budget;
+  for (uint32_t k = 0; k < 3; ++k) listed->from[k] = corner_of(w, t, k);
+  listed->travelled = 0;
+  listed->budget = listed->allowance = fx_max(travel, l->default_budget);
+}
+
+/* What its pairs are listed for ends with this tick. */
+static int is_for_tick(const fray_world *w, uint32_t t) {
+  return w->tri.predicted_travel[t] == TRIANGLE_PAIR_STALE &&
+         (w->tri.list->this_search_only != 0 || w->tri.boxes[t].fast != 0);
+}
+
+static void set_boxes(fray_world *w) {
+  const int64_t margin = patches_distance_min(w) / 2 + 1;
+  for (uint32_t t = 0; t < triangles_in_use(w); ++t)
+    if (is_for_tick(w, t)) set_swept_box(w, t, fx_saturate(margin));
+    else set_box(w, t, fx_saturate(margin + w->tri.travel[t].allowance));
+  for (uint32_t a = 0; a < patches_count(w); ++a) set_patch_boxes(w, &w->tri.patches[a]);
 }
 
 void patches_find_stale(fray_world *w) {
@@ -255,13 +281,11 @@ void patches_find_stale(fray_world *w) {
     const int32_t travel = tick_travel(w, t);
     l->out_of_range |= travel == PATCHES_TOO_FAR ? 1u : 0u;
     listed->travelled = listed->budget < 0 ? 0 : travel_since(w, t);
+    listed->allowance = fx_saturate((int64_t)listed->budget + listed->travelled);
     w->tri.predicted_travel[t] = listed->travelled + travel;
-    if (l->this_tick_only != 0 || w->tri.boxes[t].fast != 0 || w->tri.predicted_travel[t] > listed->budget)
-      relist(w, t, travel);
+    if (w->tri.boxes[t].fast != 0 || w->tri.predicted_travel[t] > listed->budget) relist(w, t, travel);
   }
-  for (uint32_t t = 0; t < triangles_in_use(w); ++t)
-    set_box(w, t, fx_saturate(patches_distance_min(w) / 2 + 1 + patches_triangle_budget(w, t)));
-  for (uint32_t a = 0; a < patches_count(w); ++a) set_patch_boxes(w, &patch[a]);
+  set_boxes(w);
 }
 
 /* Two patches without listed pairs, or with pairs that do not last to the end of the tick. */
@@ -269,16 +293,16 @@ static void relist_patches(fray_world *w, uint32_t a, uint32_t b, vec3 from, int
   const triangle_pair_list *l = w->tri.list;
   const triangle_patch *patch = w->tri.patches;
   patch_pair *pair = patches_pair(w, a, b);
-  const int32_t budget =
-      l->this_tick_only != 0 ? travel : fx_max(fx_saturate((int64_t)FAST_TICKS * travel), l->default_budget);
+  const int32_t allowance = l->this_search_only != 0 ? travel : fx_max(travel, l->default_budget);
   triangle_patch wider = patch[a];
+  patches_widen(&wider.low, &wider.high, allowance);
+  const int is_near = patches_overlap(wider.low, wider.high, patch[b].low, patch[b].high);
   pair->predicted_travel = TRIANGLE_PAIR_STALE;
-  pair->budget = -1;
-  patches_widen(&wider.low, &wider.high, budget);
-  if (!patches_overlap(wider.low, wider.high, patch[b].low, patch[b].high)) return;
+  pair->allowance = is_near ? allowance : -1;
+  if (l->this_search_only != 0) return;
   pair->from = from;
   pair->travelled = 0;
-  pair->budget = budget;
+  pair->budget = pair->allowance;
 }
 
 void patches_find_neighbours(fray_world *w) {
@@ -292,6 +316,7 @@ void patches_find_neighbours(fray_world *w) {
       const int32_t travel = patches_travel(patch[a].mean, patch[b].mean, vec_make(0, 0, 0));
       l->out_of_range |= travel == PATCHES_TOO_FAR ? 1u : 0u;
       pair->travelled = pair->budget < 0 ? 0 : length_of(vec_wrap_sub(from, pair->from));
+      pair->allowance = fx_saturate((int64_t)pair->budget + pair->travelled);
       pair->predicted_travel = pair->travelled + travel;
       if (pair->predicted_travel > pair->budget) {
         relist_patches(w, a, b, from, travel);

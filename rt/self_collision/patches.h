@@ -51,13 +51,8 @@ static inline void patches_widen(vec3 *low, vec3 *high, int64_t by) {
   *high = vec_make(fx_saturate(high->x + by), fx_saturate(high->y + by), fx_saturate(high->z + by));
 }
 
-/* What a triangle, and what two patches, may be from where they are in one tick or another before their
- * pairs are listed anew. */
-static inline int64_t patches_triangle_budget(const fray_world *w, uint32_t t) {
-  return (int64_t)w->tri.travel[t].budget + w->tri.travel[t].travelled;
-}
-static inline int64_t patches_budget(const fray_world *w, uint32_t a, uint32_t b) {
-  return a == b ? 0 : (int64_t)patches_pair(w, a, b)->budget + patches_pair(w, a, b)->travelled;
+static inline int64_t patches_allowance(const fray_world *w, uint32_t a, uint32_t b) {
+  return a == b ? 0 : patches_pair(w, a, b)->allowance;
 }
 
 #endif

@@ -62,7 +62,7 @@ void self_constraints_find(fray_world *w) {
   move_ahead(w);
   impact_zones_begin(w);
   w->tri.list->without_room = UINT32_MAX; /* nothing is merged by these paths */
-  if (triangle_collision_find(w))
+  if (triangle_collision_find(w, 1))
     for (uint32_t n = 0; n < w->tri.list->active; ++n)
       triangle_collision_constrain(w, &w->tri.pairs[w->tri.active[n]]);
   triangle_collision_rewind(w);

@@ -96,7 +96,7 @@ static void solve(fray_world *w) {
   for (uint32_t p = 0; p < w->p.count; ++p) w->attempt.vertices[p].pinned = 0;
   for (uint32_t pass = 0; pass < SELF_PASSES; ++pass) {
     impact_zones_begin(w);
-    if (!triangle_collision_find(w)) break;
+    if (!triangle_collision_find(w, 0)) break;
     if (pass == 0) (void)push_pairs(w);
     merge_pairs(w);
     impact_zones_average(w);

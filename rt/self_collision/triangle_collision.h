@@ -8,8 +8,8 @@
 
 /* Finds all pairs that may come within the thickness of each other while every vertex ends within the
  * slack of its path (tri.active); pairs for which there is no room are merged. Returns 0 iff a vertex
- * travels too far for that. */
-int triangle_collision_find(fray_world *w);
+ * travels too far for that. With is_ahead paths are by velocities: no later search uses what this finds. */
+int triangle_collision_find(fray_world *w, int is_ahead);
 
 /* Tests two triangles against each other: lists their pairs of features within `reach`, and activates
  * those that may collide in this tick. */

@@ -11,9 +11,13 @@
  * that of the farthest corner, less the mean path of the patch, so that the motion of a part of the
  * cloth as a whole costs nothing.
  *
+ * A search ahead, for the constraints of the elastic steps, has paths by velocities, and cloth that
+ * vibrates has velocities that lead far away. So what is stale there is listed for that search alone, by
+ * boxes of these paths, behind the pairs that last.
+ *
  * The pairs that may collide in this tick (active) are those that are no farther apart than the
- * thickness and their relative travel in this tick, and that the direction of their gap at the start
- * does not separate at the end. That follows from the state and the paths of this tick alone. So the
+ * thickness and their relative travel in this tick, and that neither an axis, nor the direction between
+ * them or their triangles separates. That follows from the state and the paths of this tick alone. So the
  * list is no state: one with more pairs, or filled at another time, gives the same result to the last
  * bit. A world just opened has an empty one. */
 #include "rt/self_collision/patches.h"
@@ -28,7 +32,7 @@ enum {
 /* ---- listing ---- */
 
 static void list_cluster(fray_world *w, const triangle_box *box, uint32_t t, uint32_t first, uint32_t end,
-                         int64_t budget, int with_all) {
+                         int64_t allowance, int with_all) {
   for (uint32_t n = first; n < end; ++n) {
     const uint32_t other = w->tri.order[n];
     const int other_is_stale = w->tri.predicted_travel[other] == TRIANGLE_PAIR_STALE;
@@ -36,8 +40,8 @@ static void list_cluster(fray_world *w, const triangle_box *box, uint32_t t, uin
     const triangle_box *b = &w->tri.boxes[other];
     ++w->work.self_box_tests;
     if (!patches_overlap(box->low, box->high, b->low, b->high)) continue;
-    const int64_t reach = patches_distance_min(w) + budget + patches_triangle_budget(w, t) +
-                          patches_triangle_budget(w, other);
+    const int64_t reach = patches_distance_min(w) + allowance + w->tri.travel[t].allowance +
+                          w->tri.travel[other].allowance;
     triangle_collision_test(w, t, other, fx_saturate(reach));
   }
 }
@@ -47,15 +51,15 @@ static void list_cluster(fray_world *w, const triangle_box *box, uint32_t t, uin
 static void list_with_patch(fray_world *w, uint32_t t, uint32_t other, int with_all) {
   const triangle_patch *patch = &w->tri.patches[other];
   triangle_box box = w->tri.boxes[t];
-  const int64_t budget = patches_budget(w, box.patch, other);
-  patches_widen(&box.low, &box.high, budget);
+  const int64_t allowance = patches_allowance(w, box.patch, other);
+  patches_widen(&box.low, &box.high, allowance);
   if (!patches_overlap(box.low, box.high, patch->low, patch->high)) return;
   for (uint32_t n = patch->first; n < patch->end && w->tri.list->pool_short == 0; n += BOX_CLUSTER) {
     const box_cluster *cluster = &w->tri.clusters[n];
     const uint32_t end = n + BOX_CLUSTER < patch->end ? n + BOX_CLUSTER : patch->end;
     ++w->work.self_box_tests;
     if (patches_overlap(box.low, box.high, cluster->low, cluster->high))
-      list_cluster(w, &box, t, n, end, budget, with_all);
+      list_cluster(w, &box, t, n, end, allowance, with_all);
   }
 }
 
@@ -82,7 +86,7 @@ static int list_stale(fray_world *w) {
   for (uint32_t a = 0; a < patches_count(w); ++a)
     for (uint32_t b = 0; b < a && l->pool_short == 0; ++b) {
       const patch_pair *pair = patches_pair(w, a, b);
-      if (pair->budget >= 0 && pair->predicted_travel == TRIANGLE_PAIR_STALE) list_patches(w, a, b);
+      if (pair->allowance >= 0 && pair->predicted_travel == TRIANGLE_PAIR_STALE) list_patches(w, a, b);
     }
   return l->pool_short == 0;
 }
@@ -94,7 +98,7 @@ static void list_this_tick(fray_world *w) {
   triangle_pair_list *l = w->tri.list;
   patches_begin(w);
   l->valid = l->merge_rest = l->pool_short = l->active = 0;
-  l->this_tick_only = 1;
+  l->this_search_only = 1;
   patches_find_stale(w);
   patches_find_neighbours(w);
   const uint32_t triangles = triangles_in_use(w);
@@ -106,7 +110,7 @@ static void list_this_tick(fray_world *w) {
     const uint32_t own = w->tri.boxes[t].patch;
     uint64_t near = 0;
     for (uint32_t b = 0; b < patches_count(w); ++b)
-      if (b == own || patches_pair(w, own, b)->budget >= 0) near |= (uint64_t)1 << b;
+      if (b == own || patches_pair(w, own, b)->allowance >= 0) near |= (uint64_t)1 << b;
     for (uint32_t attempt = 0; attempt < 2; ++attempt) {
       list_triangle(w, t, near);
       if (l->pool_short == 0) break;
@@ -117,7 +121,6 @@ static void list_this_tick(fray_world *w) {
       world_fault(w, FRAY_FAULT_SELF_COLLISION_BUDGET);
     }
   }
-  l->this_tick_only = 0;
 }
 
 /* Travel of both triangles, and of their patches, by the end of this tick. */
@@ -128,18 +131,19 @@ static int64_t predicted_of(const fray_world *w, const triangle_pair *pair) {
          (a == b ? 0 : patches_pair(w, a, b)->predicted_travel);
 }
 
-/* Removes stale pairs from the list, and tests those that are due. */
+/* Removes stale pairs from the list, or leaves them out of this search, and tests those that are due. */
 static void check_list(fray_world *w) {
   triangle_pair_list *l = w->tri.list;
   uint32_t kept = 0;
-  for (uint32_t n = 0; n < l->pairs; ++n) {
+  for (uint32_t n = 0; n < l->lasting; ++n) {
     const int64_t predicted = predicted_of(w, &w->tri.pairs[n]);
-    if (predicted >= TRIANGLE_PAIR_STALE) continue; /* sums without a stale one are less */
+    const int is_stale = predicted >= TRIANGLE_PAIR_STALE; /* sums without a stale one are less */
+    if (is_stale && l->this_search_only == 0) continue;
     if (kept != n) w->tri.pairs[kept] = w->tri.pairs[n];
     ++kept;
-    if (predicted >= w->tri.pairs[kept - 1u].recheck_at) triangle_collision_check(w, kept - 1u);
+    if (!is_stale && predicted >= w->tri.pairs[kept - 1u].recheck_at) triangle_collision_check(w, kept - 1u);
   }
-  l->pairs = kept;
+  l->pairs = l->lasting = kept;
 }
 
 /* ---- the order of active pairs: by first triangle, second triangle and kind ---- */
@@ -211,9 +215,10 @@ static void sort_active(fray_world *w) {
   FRAY_ASSERT(first == active);
 }
 
-int triangle_collision_find(fray_world *w) {
+int triangle_collision_find(fray_world *w, int is_ahead) {
   triangle_pair_list *l = w->tri.list;
-  l->this_tick_only = l->active = l->out_of_range = l->merged_without_room = 0;
+  l->this_search_only = is_ahead ? 1u : 0u;
+  l->active = l->out_of_range = l->merged_without_room = 0;
   if (l->valid == 0)
     patches_begin(w);
   else
@@ -227,6 +232,7 @@ int triangle_collision_find(fray_world *w) {
 
   check_list(w);
   if (!list_stale(w)) list_this_tick(w);
+  if (l->this_search_only == 0) l->lasting = l->pairs;
   sort_active(w);
   FRAY_ASSERT(l->active <= l->pairs && l->pairs <= w->capacity[POOL_TRIANGLE_PAIRS]);
   w->work.self_pairs += l->active;

@@ -93,58 +93,26 @@ static int are_separated(const fray_world *w, const triangle_pair *pair, int64_t
   return 1;
 }
 
-/* ---- the list ---- */
-
-/* Travel of both triangles, and of their patches, since they were listed. */
-static int64_t travelled_of(const fray_world *w, const triangle_pair *pair) {
-  const uint32_t a = w->tri.boxes[pair->triangle[0]].patch;
-  const uint32_t b = w->tri.boxes[pair->triangle[1]].patch;
-  return (int64_t)w->tri.travel[pair->triangle[0]].travelled + w->tri.travel[pair->triangle[1]].travelled +
-         (a == b ? 0 : patches_pair(w, a, b)->travelled);
-}
-
-static void check_listed(fray_world *w, uint32_t n, ccd_gap gap) {
-  triangle_pair *pair = &w->tri.pairs[n];
-  FRAY_ASSERT(n < w->tri.list->pairs && w->tri.list->active < w->capacity[POOL_TRIANGLE_PAIRS]);
-  const int64_t distance = patches_distance_min(w);
-  pair->recheck_at = fx_saturate((int64_t)gap.begin - distance - travelled_of(w, pair));
-  if (!may_collide(w, pair, gap) || are_separated(w, pair, distance, 1) || has_one_vertex(w, pair)) return;
-  pair->tested_round = pair->near = 0;
-  w->tri.active[w->tri.list->active++] = n;
-}
-
-void triangle_collision_check(fray_world *w, uint32_t n) {
-  check_listed(w, n, triangle_collision_gap(w, &w->tri.pairs[n]));
-}
-
-/* What has no room is merged where it touches; of so many a tick, others are left out. */
-static void merge_without_room(fray_world *w, const triangle_pair *pair) {
-  triangle_pair_list *l = w->tri.list;
-  if (l->without_room >= triangles_in_use(w) * SELF_WITHOUT_ROOM) return;
-  ++l->without_room;
-  if (has_one_vertex(w, pair) || !triangle_collision_touches(w, pair)) return;
-  triangle_collision_merge(w, pair);
-  l->merged_without_room = 1;
-}
-
-static void add_pair(fray_world *w, triangle_pair *pair, int64_t reach) {
-  triangle_pair_list *l = w->tri.list;
-  if (are_separated(w, pair, reach, 0)) return;
-  const int this_tick_only = l->this_tick_only != 0 || w->tri.boxes[pair->triangle[0]].fast != 0 ||
-                             w->tri.boxes[pair->triangle[1]].fast != 0;
-  if (this_tick_only && are_separated(w, pair, patches_distance_min(w), 1)) return;
-  const ccd_gap gap = triangle_collision_gap(w, pair);
-  if (gap.begin > reach || (this_tick_only && !may_collide(w, pair, gap))) return;
-
-  pair->was_one_vertex = had_one_vertex(&w->trimesh, pair);
-  if (l->merge_rest != 0) {
-    merge_without_room(w, pair);
-  } else if (l->pairs < w->capacity[POOL_TRIANGLE_PAIRS]) {
-    w->tri.pairs[l->pairs++] = *pair;
-    check_listed(w, l->pairs - 1u, gap);
-  } else {
-    l->pool_short = 1;
-  }
+/* The same of one of the axes, when the tick begins and when it ends. */
+static int an_axis_separates(const fray_world *w, const triangle_pair *pair, int64_t reach) {
+  const uint32_t firsts = triangle_pair_firsts(pair);
+  int32_t apart[6] = {INT32_MAX, INT32_MAX, INT32_MAX, INT32_MAX, INT32_MAX, INT32_MAX};
+  for (uint32_t m = 0; m < firsts; ++m)
+    for (uint32_t n = firsts; n < 4; ++n) {
+      const self_path *a = &w->self.paths[pair->p[m]];
+      const self_path *b = &w->self.paths[pair->p[n]];
+      const vec3 begin = vec_sub(b->begin, a->begin);
+      const vec3 end = vec_sub(b->end, a->end);
+      const int32_t from[3] = {begin.x, begin.y, begin.z};
+      const int32_t to[3] = {end.x, end.y, end.z};
+      for (uint32_t k = 0; k < 3; ++k) {
+        apart[k] = fx_min(apart[k], fx_min(from[k], to[k]));
+        apart[3 + k] = fx_min(apart[3 + k], -fx_max(from[k], to[k]));
+      }
+    }
+  for (uint32_t k = 0; k < 6; ++k)
+    if (apart[k] > reach) return 1;
+  return 0;
 }
 
 /* ---- two triangles ---- */
@@ -155,6 +123,8 @@ typedef struct {
   vec3 at[2][3];        /* when the tick begins */
   uint32_t common[3];   /* of each corner of the first: bit k iff corner k of the second is the same vertex */
   int32_t reach;
+  int is_for_tick;      /* pairs are listed for this tick alone */
+  int32_t apart;        /* then, farther than that all the time is far enough; else the reach, at its begin */
 } triangle_test;
 
 /* Returns the corners of the second that are the first's too, a bit each. */
@@ -198,28 +168,103 @@ static int corner_box_is_apart(const triangle_test *d, uint32_t which, uint32_t 
                          d->reach);
 }
 
-/* The direction between their centres separates the triangles, and so all of their features, by more
- * than `reach`. */
-static int triangles_are_separated(const triangle_test *d) {
-  const vec3 *a = d->at[0];
-  const vec3 *b = d->at[1];
-  const vec3 along = vec_sub(sum_of_corners(b[0], b[1], b[2]), sum_of_corners(a[0], a[1], a[2]));
+/* Each corner of b is farther along than each of a, by more than `margin`. */
+static int is_beyond(const vec3 a[3], const vec3 b[3], vec3 along, int64_t margin) {
   int64_t first = 0;
   for (uint32_t n = 1; n < 3; ++n) {
     const int64_t at = collision_pair_project(a[0], a[n], along);
     if (at > first) first = at;
   }
-  first += fx_mul_wide(collision_pair_length(along), d->reach);
+  first += margin;
   return collision_pair_project(a[0], b[0], along) > first &&
          collision_pair_project(a[0], b[1], along) > first &&
          collision_pair_project(a[0], b[2], along) > first;
 }
 
+/* The direction between their centres separates the triangles, and so all of their features, by more than
+ * `apart` when the tick begins; and, if `whole_tick`, when it ends. */
+static int triangles_are_separated(const fray_world *w, const triangle_test *d, int32_t apart,
+                                   int whole_tick) {
+  const vec3 *a = d->at[0];
+  const vec3 *b = d->at[1];
+  const vec3 along = vec_sub(sum_of_corners(b[0], b[1], b[2]), sum_of_corners(a[0], a[1], a[2]));
+  const int64_t margin = fx_mul_wide(collision_pair_length(along), apart);
+  vec3 end[2][3];
+  if (!is_beyond(a, b, along, margin)) return 0;
+  if (!whole_tick) return 1;
+  for (uint32_t n = 0; n < 2; ++n)
+    for (uint32_t k = 0; k < 3; ++k) end[n][k] = w->self.paths[d->v[n][k]].end;
+  return is_beyond(end[0], end[1], along, margin);
+}
+
+/* ---- the list ---- */
+
+/* Travel of both triangles, and of their patches, since they were listed. */
+static int64_t travelled_of(const fray_world *w, const triangle_pair *pair) {
+  const uint32_t a = w->tri.boxes[pair->triangle[0]].patch;
+  const uint32_t b = w->tri.boxes[pair->triangle[1]].patch;
+  return (int64_t)w->tri.travel[pair->triangle[0]].travelled + w->tri.travel[pair->triangle[1]].travelled +
+         (a == b ? 0 : patches_pair(w, a, b)->travelled);
+}
+
+/* What the search may leave out by a box or a direction of whole triangles is no pair of this tick, listed or
+ * not: so what an earlier tick has listed makes no difference. */
+static int triangles_stay_apart(const fray_world *w, const triangle_pair *pair) {
+  triangle_test d;
+  return begin_test(w, pair->triangle[0], pair->triangle[1], &d) == 0 &&
+         triangles_are_separated(w, &d, fx_saturate(patches_distance_min(w)), 1);
+}
+
+static void check_listed(fray_world *w, uint32_t n, ccd_gap gap) {
+  triangle_pair *pair = &w->tri.pairs[n];
+  FRAY_ASSERT(n < w->tri.list->pairs && w->tri.list->active < w->capacity[POOL_TRIANGLE_PAIRS]);
+  const int64_t distance = patches_distance_min(w);
+  pair->recheck_at = fx_saturate((int64_t)gap.begin - distance - travelled_of(w, pair));
+  if (!may_collide(w, pair, gap) || are_separated(w, pair, distance, 1) ||
+      an_axis_separates(w, pair, distance) || triangles_stay_apart(w, pair) || has_one_vertex(w, pair))
+    return;
+  pair->tested_round = pair->near = 0;
+  w->tri.active[w->tri.list->active++] = n;
+}
+
+void triangle_collision_check(fray_world *w, uint32_t n) {
+  check_listed(w, n, triangle_collision_gap(w, &w->tri.pairs[n]));
+}
+
+/* What has no room is merged where it touches; of so many a tick, others are left out. */
+static void merge_without_room(fray_world *w, const triangle_pair *pair) {
+  triangle_pair_list *l = w->tri.list;
+  if (l->without_room >= triangles_in_use(w) * SELF_WITHOUT_ROOM) return;
+  ++l->without_room;
+  if (has_one_vertex(w, pair) || !triangle_collision_touches(w, pair)) return;
+  triangle_collision_merge(w, pair);
+  l->merged_without_room = 1;
+}
+
+static void add_pair(fray_world *w, const triangle_test *d, triangle_pair *pair) {
+  triangle_pair_list *l = w->tri.list;
+  if (are_separated(w, pair, d->apart, d->is_for_tick)) return;
+  const ccd_gap gap = triangle_collision_gap(w, pair);
+  if (gap.begin > d->reach || (d->is_for_tick && !may_collide(w, pair, gap))) return;
+
+  pair->was_one_vertex = had_one_vertex(&w->trimesh, pair);
+  if (l->merge_rest != 0) {
+    merge_without_room(w, pair);
+  } else if (l->pairs < w->capacity[POOL_TRIANGLE_PAIRS]) {
+    w->tri.pairs[l->pairs++] = *pair;
+    check_listed(w, l->pairs - 1u, gap);
+  } else {
+    l->pool_short = 1;
+  }
+}
+
+/* ---- listing two triangles ---- */
+
 static void add_features(fray_world *w, const triangle_test *d, index_t p, index_t q, index_t r, index_t s,
                          uint32_t kind) {
   triangle_pair pair = {
       0, {(index_t)d->triangle[0], (index_t)d->triangle[1]}, {p, q, r, s}, (uint8_t)kind, 0, 0, 0};
-  add_pair(w, &pair, d->reach);
+  add_pair(w, d, &pair);
 }
 
 static void add_corner(fray_world *w, const triangle_test *d, uint32_t which, uint32_t k) {
@@ -237,10 +282,13 @@ static void add_edges(fray_world *w, const triangle_test *d, uint32_t m, uint32_
 void triangle_collision_test(fray_world *w, uint32_t t, uint32_t other, int32_t reach) {
   FRAY_ASSERT(t != other && t < triangles_in_use(w) && other < triangles_in_use(w));
   triangle_test d;
-  d.reach = reach;
   const uint32_t common = begin_test(w, t, other, &d);
+  d.reach = reach;
+  d.is_for_tick =
+      w->tri.list->this_search_only != 0 || w->tri.boxes[t].fast != 0 || w->tri.boxes[other].fast != 0;
+  d.apart = d.is_for_tick ? fx_saturate(patches_distance_min(w)) : reach;
   const uint32_t own[2] = {w->tri.boxes[d.triangle[0]].owned, w->tri.boxes[d.triangle[1]].owned};
-  if (common == 0 && triangles_are_separated(&d)) return;
+  if (common == 0 && triangles_are_separated(w, &d, d.apart, d.is_for_tick)) return;
 
   for (uint32_t k = 0; k < 3; ++k) {
     const int test_first = (own[0] >> k & 1u) != 0 && d.common[k] == 0;

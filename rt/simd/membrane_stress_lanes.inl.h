@@ -230,7 +230,6 @@ LANES_INLINE int corotational_stress_lanes_group(const stress_view *v, uint32_t 
   record_lanes_load(v->materials->stretch[0], 1, of, c);
   const lanes strain[3] = {s.uu, s.vv, s.uv};
   corotational_lanes_tension_of(c, strain, stress);
-  record_lanes_store(v->gains[first].c, c);
   membrane_stress_lanes_store(&v->stress[first].uu, sizeof(material_tensor) / 4, stress);
   return 1;
 }

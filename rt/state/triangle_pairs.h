@@ -57,6 +57,7 @@ typedef struct {
   vec3 from[3];
   int32_t travelled; /* up to the start of the tick */
   int32_t budget;    /* every possible pair is listed until it has travelled that far; negative: not listed */
+  int32_t allowance; /* what is found now holds while it is no farther from where the tick began */
 } triangle_travel;
 
 /* Triangles near each other at rest, and the mean path of their corners. */
@@ -71,7 +72,7 @@ typedef struct {
  * their pairs were listed; as of triangles. */
 typedef struct {
   vec3 from;
-  int32_t travelled, budget;
+  int32_t travelled, budget, allowance; /* negative: too far apart for pairs */
   int32_t predicted_travel; /* including this tick; TRIANGLE_PAIR_STALE */
 } patch_pair;
 
@@ -86,13 +87,14 @@ static inline uint32_t patches_across(uint32_t triangles) {
 typedef struct {
   uint32_t valid;        /* pairs of earlier ticks can be used */
   uint32_t pairs, active, stale;
+  uint32_t lasting;      /* pairs before these hold beyond the search that found them */
   uint32_t out_of_range; /* some travel of this tick exceeds what the list can represent */
   uint32_t particles, triangles; /* in use when it was filled */
   uint64_t topology;
   int32_t default_budget; /* of triangles that are not fast */
   uint32_t across;        /* patches along weft and warp */
   int32_t low[2], size[2]; /* at rest: where the patches begin, how wide a part is */
-  uint32_t this_tick_only; /* pairs are listed for this tick alone */
+  uint32_t this_search_only; /* what is listed is for this search alone */
   uint32_t pool_short;     /* the pool of pairs is full */
   uint32_t merge_rest;     /* pairs that have no room are merged where they touch, instead of listed */
   uint32_t without_room;   /* how many of them were tested in this attempt at the tick */

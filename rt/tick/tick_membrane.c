@@ -53,11 +53,11 @@ static void run_attempts(fray_world *w) {
 
 void tick_membrane(fray_world *w) {
   FRAY_ASSERT(world_has_membrane(w));
-  membrane_stress_update(w);
-  if (world_has_cracks(w) && w->params->tearing != 0)
-    crack_advance(w);
-  else if (w->params->tearing != 0)
-    membrane_tear_apply(w);
+  if (!world_has_cracks(w)) membrane_stress_update(w);
+  if (w->params->tearing != 0) {
+    if (world_has_cracks(w)) crack_advance(w);
+    else membrane_tear_apply(w);
+  }
   if (world_has_blades(w)) blade_cut_apply(w);
   membrane_gains_update(w);
   energy_stage(w, w->work.tears != 0 ? FRAY_ENERGY_TEARS : FRAY_ENERGY_MATERIAL);
