@@ -7,6 +7,6 @@
 
 #include <stdint.h>
 
-#define PHYSICS_ID UINT32_C(0xECAACD88)
+#define PHYSICS_ID UINT32_C(0x5DDC9B5A)
 
 #endif

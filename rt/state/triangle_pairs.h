@@ -57,7 +57,7 @@ typedef struct {
   vec3 from[3];
   int32_t travelled; /* up to the start of the tick */
   int32_t budget;    /* every possible pair is listed until it has travelled that far; negative: not listed */
-  int32_t allowance; /* what is found now holds while it is no farther from where the tick began */
+  int32_t allowance; /* how far from where the tick began the pairs that this search finds hold */
 } triangle_travel;
 
 /* Triangles near each other at rest, and the mean path of their corners. */

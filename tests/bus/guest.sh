@@ -9,8 +9,9 @@
 #                       host: a new network namespace of this kernel, where it has vcan (root), in real time
 #   FRAY_GUEST_CPUS     1; its clock counts instructions, a billion a second, and nothing else: how busy the host
 #                       is does not enter, and idle time takes none. 2: in the host's time
-#   FRAY_GUEST_SECONDS  300, then it is killed: of the processor's time, so that a busy host takes none; or, for a
-#                       guest that sleeps for ever, sixty times as long     FRAY_GUEST_MEMORY  512M
+#   FRAY_GUEST_SECONDS  300 of the processor's time, then it is killed; one that sleeps for ever, after sixty times
+#                       as long by the clock. FRAY_GUEST=host: by the clock
+#   FRAY_GUEST_MEMORY   512M
 #   FRAY_GUEST_ORDER    1; 0: vcan0 as it comes, receivers on several CPUs see several orders
 PACKAGES="busybox-static iproute2 can-utils qemu-system-x86 linux-image-amd64 cpio xz-utils"
 set -eu
@@ -116,7 +117,7 @@ make_first_root() {
 # that), and dies if this script is killed. A guest writes its streams to the files out and err: not to
 # the caller's, whose modes a console would change, nor to a pipe, since QEMU stops for ever at a pipe
 # that nobody reads (`| head`), and drops what a slow reader has not taken when it powers off.
-limited() { exec setpriv --pdeathsig TERM timeout -k 2 $((60 * seconds)) prlimit --cpu="$seconds:$((seconds + 2))" --core=0 "$@"; }
+limited() { exec setpriv --pdeathsig TERM timeout -k 2 "$by_the_clock" "$@"; }
 
 start_host() {
   # sh has made SIGINT and SIGQUIT ignored in what it runs aside; COMMAND should not see that
@@ -132,7 +133,7 @@ start_qemu() {
     *) clock='-accel tcg,thread=multi,tb-size=256' ;;
   esac
   # shellcheck disable=SC2086
-  limited qemu-system-x86_64 $clock -cpu max -smp "$cpus" -m "$memory" \
+  limited prlimit --cpu="$seconds:$((seconds + 2))" --core=0 qemu-system-x86_64 $clock -cpu max -smp "$cpus" -m "$memory" \
     -M pc,usb=off,vmport=off -nodefaults -no-user-config -display none -no-reboot -serial "file:$run/console" \
     -kernel "$kernel" -initrd "$run/first.cpio" -append "console=ttyS0 quiet panic=-1 nokaslr mitigations=off \
       no_timer_check random.trust_cpu=on initcall_blacklist=crypto_kdf108_init,init_kprobe_trace fray_init=$here/guest/init.sh \
@@ -160,8 +161,10 @@ clean_up() {
 
 case $cpus in 1 | 2) ;; *) die "FRAY_GUEST_CPUS=$cpus, expected 1 or 2" ;; esac
 case $seconds in '' | *[!0-9]*) die "FRAY_GUEST_SECONDS=$seconds, expected a whole number" ;; esac
-[ $# -gt 0 ] || { sed -n '3,17s/^# \{0,1\}//p' "$0" && exit 2; }
+[ $# -gt 0 ] || { sed -n '3,18s/^# \{0,1\}//p' "$0" && exit 2; }
 kind=${FRAY_GUEST:-qemu}
+by_the_clock=$seconds
+if [ "$kind" = qemu ]; then by_the_clock=$((60 * seconds)); fi
 check
 if [ "$1" = --check ]; then exit 0; fi
 
@@ -193,7 +196,7 @@ for reader in $readers; do wait "$reader" || true; done # they end when the gues
 readers=''
 
 late=0
-if [ $(($(date +%s) - began)) -ge $((60 * seconds)) ]; then late=1; fi
+if [ $(($(date +%s) - began)) -ge "$by_the_clock" ]; then late=1; fi
 if [ $ended = 152 ] || [ $late$ended = 1124 ] || [ $late$ended = 1137 ]; then # 152: SIGXCPU
   say "killed after $seconds s (FRAY_GUEST_SECONDS)"
   exit 124

@@ -298,7 +298,7 @@ static const char *const patterns[] = {"regular", "rotated 15 deg", "rotated 30 
 static outcome strip_figure(const strip *s, double asked) {
   const outcome o = run_strip(s);
   printf("figure crack_strip W/%d %-15s notch %g degrees: %+.2f degrees (asked: %.1f), force %.4f of sigma_E, %u edges, %.2f new triangles each, "
-         "least angle %.1f, made %.2g of what was stored (asked: at most 1e-4), stress of %.3f of the sheet\n", s->columns, s->pattern, s->slant, o.angle, asked, o.force, o.edges, o.triangles, o.least, o.made, o.found);
+         "least angle %.1f, made %.2g of what was stored (asked: at most 1e-4), stress of %.3f of the sheet (asked: below 0.2)\n", s->columns, s->pattern, s->slant, o.angle, asked, o.force, o.edges, o.triangles, o.least, o.made, o.found);
   CHECK(fabs(o.angle) <= asked && o.made <= 1e-4 && o.found > 0 && o.found < 0.2);
   CHECK_EQ_INT(o.extra, 0);
   CHECK_EQ_INT(o.bad, 0);
