@@ -3,6 +3,7 @@
 #include "rt/base/assert.h"
 #include "rt/base/bytes.h"
 #include "rt/image/physics_id.h"
+#include "rt/state/corotational.h"
 #include "rt/state/crossing.h"
 #include "rt/state/deformation.h"
 #include "rt/state/rigid_mesh.h"
@@ -189,14 +190,27 @@ uint32_t fray_attached_body(const fray_world *w, uint32_t particle) {
   return w->p.attach_body[particle];
 }
 
+/* Of an isotropic sheet by its own law, which tears go by too. */
+static material_tensor stress_of(const fray_world *w, uint32_t t) {
+  const material_table *material = &w->membrane.materials[w->trimesh.material[t]];
+  const deformation d = deformation_of(w, t);
+  const material_tensor strain = material_strain(d.u, d.v);
+#if FRAY_CRACKS
+  if (world_is_corotational(w)) {
+    material_tensor counted;
+    (void)corotational_stress(material->stretch[0], strain, &counted);
+    return material_stress(material->stretch[0], counted);
+  }
+#endif
+  int32_t c[MATERIAL_ENTRIES];
+  material_stiffness(material, w->membrane.smoothed_strains[t].mean[SMOOTHED_STRAIN_POLES - 1], c);
+  return material_stress(c, strain);
+}
+
 fray_triangle fray_view_triangle(const fray_world *w, uint32_t t) {
   FRAY_ASSERT(world_has_membrane(w) && t < triangles_in_use(w));
   const trimesh *s = &w->trimesh;
-  const deformation e = deformation_of(w, t);
-  int32_t c[MATERIAL_ENTRIES];
-  material_stiffness(&w->membrane.materials[s->material[t]], 
-                     w->membrane.smoothed_strains[t].mean[SMOOTHED_STRAIN_POLES - 1], c);
-  const material_tensor stress = material_stress(c, material_strain(e.u, e.v));
+  const material_tensor stress = stress_of(w, t);
   fray_triangle v;
   bytes_zero(&v, sizeof v);
   for (uint32_t k = 0; k < 3; ++k) {

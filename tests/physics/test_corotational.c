@@ -192,6 +192,21 @@ static void stiff_sheets_are_scaled_with_their_strength(void) {
   CHECK_EQ_INT(((const uint32_t *)f.image)[1], 3u << 16 | 1u);
 }
 
+/* Drawn to 1.4 both ways: E h (l - 1) / (1 - nu). */
+static void views_have_stress_by_this_law(void) {
+  fixture_scoped f = {0};
+  fixture_print(&f, sheet, 4, 4, "regular", "2 MPa", "");
+  int32_t *at[3] = {f.w->p.x, f.w->p.y, f.w->p.z};
+  for (uint32_t n = 0; n < 3; ++n)
+    for (uint32_t p = 0; p < f.w->p.count; ++p) at[n][p] = (int32_t)(at[n][p] * 1.4);
+  for (uint32_t t = 0; t < fray_get_info(f.w).triangles; ++t) {
+    const fray_triangle v = fray_view_triangle(f.w, t);
+    CHECK(fabs(v.stress[0] / (4096 * 400 * 0.4 / 0.7) - 1) < 1e-4);
+    CHECK(fabs(v.stress[1] / (4096 * 400 * 0.4 / 0.7) - 1) < 1e-4);
+    CHECK(abs(v.stress[2]) < 4);
+  }
+}
+
 static void what_is_torn_gains_nothing(void) {
   const double most =
       energy_of_dragged_sheet(" density 400 g/m2\n young 2 MPa\n thickness 0.5 mm\n tear 60 N/m\n");
@@ -204,6 +219,7 @@ int main(int argc, char **argv) {
   TEST(fixed_point_is_the_law);
   TEST(no_slope_is_too_steep);
   TEST(stiff_sheets_are_scaled_with_their_strength);
+  TEST(views_have_stress_by_this_law);
   TEST(what_is_torn_gains_nothing);
   TEST(a_swing_gains_nothing);
   return test_end();
