@@ -7,6 +7,6 @@
 
 #include <stdint.h>
 
-#define PHYSICS_ID UINT32_C(0x5DDC9B5A)
+#define PHYSICS_ID UINT32_C(0x6FB1B09D)
 
 #endif

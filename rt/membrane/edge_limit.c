@@ -10,7 +10,13 @@
  *            one after each step leapfrog does not keep its energy, however small w h is: splinters gained
  *            speed without end.
  *
- * Those that may get there are found once a substep. No SIMD twin: edges follow one another. */
+ * Those that may get there are found once a substep. No SIMD twin: edges follow one another.
+ *
+ * An impulse J between v-, before the forces of a leapfrog step, and v+, behind all impulses, gives
+ * J (v- + v+) / 2: to stop what forces turned round within the step gives energy, and edges that cannot all
+ * obey, as bodies hold them apart, gave it without end. Seen from c, half of what forces changed of v, that
+ * is a change of m u^2 / 2, u = v - c. So along an edge no impulse leaves more of u than it found: then
+ * each takes energy, whatever those behind it do. */
 #include "rt/membrane/membrane.h"
 #include "rt/state/deformation.h"
 
@@ -61,24 +67,53 @@ void edge_limits_find(fray_world *w) {
         find_edge(w, s->triangle[t].v[trimesh_next(k)], s->triangle[t].v[trimesh_previous(k)]);
 }
 
-static void solve_edge(fray_world *w, const limited_edge *e, const elastic_step *step) {
+static vec3 edge_now(const fray_world *w, const limited_edge *e) {
   const elastic_position *place = w->membrane.positions;
-  const vec3 d = vec_wrap_sub(vec_of(place[e->j].at), vec_of(place[e->i].at));
+  return vec_wrap_sub(vec_of(place[e->j].at), vec_of(place[e->i].at));
+}
+
+static vec3 separation_of(const fray_world *w, const limited_edge *e, const elastic_step *step) {
+  return vec_sub_saturated(step_velocity(w, e->j, step), step_velocity(w, e->i, step));
+}
+
+/* What forces have changed of a vertex's velocity in this step. A body's is known no more, and small. */
+static vec3 change_by_forces(const fray_world *w, uint32_t p, const elastic_step *step) {
+  if (particle_is_attached(w, p)) return vec_make(0, 0, 0);
+  return vec_sub_saturated(step_velocity(w, p, step), vec_at(w->p.vx, w->p.vy, w->p.vz, p));
+}
+
+/* c of an edge, while forces alone have acted. */
+static void begin_edge(const fray_world *w, limited_edge *e, const elastic_step *step) {
+  const vec3 d = edge_now(w, e);
+  const vec3 change =
+      vec_sub_saturated(change_by_forces(w, e->j, step), change_by_forces(w, e->i, step));
+  const uint64_t squared = vec_squared(d);
+  e->half = squared == 0 ? 0 : vec_dot_unit(change, vec_root_unit(fx_rsqrt(squared, FX_ROOT_FINE), d)) / 2;
+}
+
+/* No more of u than there is. */
+static int32_t passive(int32_t wanted, int32_t separating, int32_t half) {
+  const int64_t u = (int64_t)separating - half;
+  const int64_t most = u < 0 ? -u : u;
+  return fx_saturate(fx_clamp64(wanted, half - most, half + most));
+}
+
+static void solve_edge(fray_world *w, const limited_edge *e, const elastic_step *step) {
+  const vec3 d = edge_now(w, e);
   const uint64_t k = (uint64_t)step_inverse_mass(w, e->i) + step_inverse_mass(w, e->j);
-  const vec3 velocity =
-      vec_sub_saturated(step_velocity(w, e->j, step), step_velocity(w, e->i, step));
   const uint64_t squared = vec_squared(d);
   if (squared == 0 || k == 0) return;
   const fx_root root = fx_rsqrt(squared, FX_ROOT_FINE);
   const vec3 unit = vec_root_unit(root, d);
-  const int32_t separating = vec_dot_unit(velocity, unit);
+  const int32_t separating = vec_dot_unit(separation_of(w, e, step), unit);
   const int64_t longest =
       (int64_t)((uint64_t)e->rest * limit_of(w) >> (16 - FX_SUB_BITS)); /* Q28 */
   const int32_t room = fx_saturate(longest - fx_root_length(root));
   const int32_t by_room = -step_speed_min(room, w->membrane.constants->steps, step->rise);
   const int32_t rate = fx_saturate(
       (int64_t)e->rest * (1 << FX_SUB_BITS) * w->membrane.constants->steps >> RATE_BITS);
-  const int32_t wanted = fx_max(-rate, fx_min(separating, fx_min(by_room, rate)));
+  const int32_t wanted =
+      passive(fx_max(-rate, fx_min(separating, fx_min(by_room, rate))), separating, e->half);
   if (wanted == separating) return;
   const int32_t mass = step_mass_of(k);
   const vec3 change = vec_scale_unit(unit, fx_saturate((int64_t)wanted - separating));
@@ -89,8 +124,9 @@ static void solve_edge(fray_world *w, const limited_edge *e, const elastic_step 
 }
 
 void edge_limits_solve(fray_world *w, const elastic_step *step) {
-  const limited_edge *e = w->membrane.limited_edges;
+  limited_edge *e = w->membrane.limited_edges;
   FRAY_ASSERT(w->membrane.limited_edge_count <=
               (uint32_t)LIMITED_EDGES_PER_TRIANGLE * w->capacity[POOL_TRIANGLES]);
+  for (uint32_t n = 0; n < w->membrane.limited_edge_count; ++n) begin_edge(w, &e[n], step);
   for (uint32_t n = 0; n < w->membrane.limited_edge_count; ++n) solve_edge(w, &e[n], step);
 }

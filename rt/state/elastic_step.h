@@ -44,6 +44,7 @@ enum { LIMITED_EDGES_PER_TRIANGLE = 3 }; /* room in the pool */
 typedef struct {
   index_t i, j;
   uint32_t rest; /* its length at rest, Q24 lu */
+  int32_t half;  /* along it: half of what forces change of its velocity in a step, Q28 lu per substep */
 } limited_edge;
 
 /* c of a triangle in this tick (until membrane_gains_update()), then c times its area: from a strain in Q28
