@@ -38,9 +38,10 @@ static void pull_body(fray_world *w, uint32_t p) {
 void step_bodies_pull(fray_world *w, const elastic_step *step) {
   for (uint32_t p = 0; p < particles_attached(w); ++p) pull_body(w, p);
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b) {
+    int32_t *v = w->rigid.states[b].velocity;
+    vec_store(w->membrane.bodies[b].before, vec_of(v));
     if (!is_free(w, b)) continue;
     body_update_velocity(w, b);
-    int32_t *v = w->rigid.states[b].velocity;
     for (uint32_t n = 0; n < 3; ++n)
       v[n] = fx_clamp_wide((int64_t)v[n] + step->gravity[n], BODY_SPEED_MAX);
   }

@@ -196,11 +196,7 @@ static material_tensor stress_of(const fray_world *w, uint32_t t) {
   const deformation d = deformation_of(w, t);
   const material_tensor strain = material_strain(d.u, d.v);
 #if FRAY_CRACKS
-  if (world_is_corotational(w)) {
-    material_tensor counted;
-    (void)corotational_stress(material->stretch[0], strain, &counted);
-    return material_stress(material->stretch[0], counted);
-  }
+  if (world_is_corotational(w)) return corotational_tension(material->stretch[0], strain);
 #endif
   int32_t c[MATERIAL_ENTRIES];
   material_stiffness(material, w->membrane.smoothed_strains[t].mean[SMOOTHED_STRAIN_POLES - 1], c);

@@ -12,11 +12,11 @@
  *
  * Those that may get there are found once a substep. No SIMD twin: edges follow one another.
  *
- * An impulse J between v-, before the forces of a leapfrog step, and v+, behind all impulses, gives
- * J (v- + v+) / 2: to stop what forces turned round within the step gives energy, and edges that cannot all
- * obey, as bodies hold them apart, gave it without end. Seen from c, half of what forces changed of v, that
- * is a change of m u^2 / 2, u = v - c. So along an edge no impulse leaves more of u than it found: then
- * each takes energy, whatever those behind it do. */
+ * In a leapfrog step an impulse J along an edge adds J (v- + v+) / 2 to the energy, with how fast the edge
+ * separates before the step's forces, v-, and behind all impulses, v+. With c half of what forces change of
+ * it and u = v - c, all impulses of a step add the change of m u^2 / 2. So each is clamped to leave |u| no
+ * larger, and takes energy in any order, whether or not others undo it. To stop edges is not enough: those
+ * that bodies hold beyond their limits gained energy without end. */
 #include "rt/membrane/membrane.h"
 #include "rt/state/deformation.h"
 
@@ -76,22 +76,21 @@ static vec3 separation_of(const fray_world *w, const limited_edge *e, const elas
   return vec_sub_saturated(step_velocity(w, e->j, step), step_velocity(w, e->i, step));
 }
 
-/* What forces have changed of a vertex's velocity in this step. A body's is known no more, and small. */
-static vec3 change_by_forces(const fray_world *w, uint32_t p, const elastic_step *step) {
-  if (particle_is_attached(w, p)) return vec_make(0, 0, 0);
-  return vec_sub_saturated(step_velocity(w, p, step), vec_at(w->p.vx, w->p.vy, w->p.vz, p));
+static vec3 velocity_before(const fray_world *w, uint32_t p) {
+  return particle_is_attached(w, p) ? vec_of(w->membrane.bodies[w->p.attach_body[p]].before)
+                                    : vec_at(w->p.vx, w->p.vy, w->p.vz, p);
 }
 
 /* c of an edge, while forces alone have acted. */
 static void begin_edge(const fray_world *w, limited_edge *e, const elastic_step *step) {
   const vec3 d = edge_now(w, e);
-  const vec3 change =
-      vec_sub_saturated(change_by_forces(w, e->j, step), change_by_forces(w, e->i, step));
+  const vec3 before = vec_sub_saturated(velocity_before(w, e->j), velocity_before(w, e->i));
+  const vec3 change = vec_sub_saturated(separation_of(w, e, step), before);
   const uint64_t squared = vec_squared(d);
   e->half = squared == 0 ? 0 : vec_dot_unit(change, vec_root_unit(fx_rsqrt(squared, FX_ROOT_FINE), d)) / 2;
 }
 
-/* No more of u than there is. */
+/* The nearest that leaves |u| no larger. */
 static int32_t passive(int32_t wanted, int32_t separating, int32_t half) {
   const int64_t u = (int64_t)separating - half;
   const int64_t most = u < 0 ? -u : u;

@@ -42,9 +42,7 @@ static void stress_corotational(const fray_world *w, uint32_t t) {
   FRAY_ASSERT(w->trimesh.area[t] > 0 && w->trimesh.material[t] < w->trimesh.params->materials);
   const deformation d = deformation_of(w, t);
   const int32_t *c = w->membrane.materials[w->trimesh.material[t]].stretch[0];
-  material_tensor counted;
-  (void)corotational_stress(c, material_strain(d.u, d.v), &counted);
-  w->membrane.stress[t] = material_stress(c, counted);
+  w->membrane.stress[t] = corotational_tension(c, material_strain(d.u, d.v));
   soften(&w->membrane.stress[t], membrane_softening(w, t));
 }
 #else

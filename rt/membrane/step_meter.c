@@ -53,25 +53,26 @@ static void meter_stages(fray_world *w, uint32_t p, uint32_t n, const metered_ax
   }
 }
 
-/* A body has the work of its impulse on the cloth, and the stage what is left of that. */
-static void meter_body(fray_world *w, uint32_t b, uint32_t stage) {
+/* A body has the work of its impulse on the cloth, and the stage what is left of that, by the same mean. */
+static void meter_body(fray_world *w, uint32_t b, uint32_t mark) {
   metered_body *m = &w->membrane.metered_bodies[b];
+  const int32_t *before = w->membrane.bodies[b].before;
   const int32_t *v = w->rigid.states[b].velocity;
   const int64_t *impulse = w->rigid.motion[b].impulse;
   for (uint32_t n = 0; n < 3; ++n) {
-    const int64_t given = impulse[n] - m->impulse[n];
-    if (stage < STEP_MARKS && given != 0)
-      add_row(w, &w->energy.stage[marked_stage[stage]],
-              wide_product(-given, (int64_t)m->velocity[n] + v[n], 2 * FX_VELOCITY_BITS + 1));
+    if (mark != 0) m->given[mark - 1u][n] = impulse[n] - m->impulse[n];
     m->impulse[n] = impulse[n];
-    m->velocity[n] = v[n];
+    for (uint32_t k = 0; k < STEP_MARKS && mark == STEP_MARKS; ++k)
+      if (m->given[k][n] != 0)
+        add_row(w, &w->energy.stage[marked_stage[k]],
+                wide_product(-m->given[k][n], (int64_t)before[n] + v[n], 2 * FX_VELOCITY_BITS + 1));
   }
 }
 
 void step_meter_mark_add(fray_world *w, uint32_t mark) {
   FRAY_ASSERT(mark <= STEP_MARKS && world_has_membrane(w));
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
-    meter_body(w, b, mark == 0 ? STEP_MARKS : mark - 1u);
+    meter_body(w, b, mark);
   for (uint32_t p = 0; p < w->p.count && mark < STEP_MARKS; ++p)
     w->membrane.metered_impulses[p].sum[mark] = w->membrane.impulse[p];
 }

@@ -96,4 +96,10 @@ material_tensor corotational_stress(const int32_t c[MATERIAL_ENTRIES], material_
   return s;
 }
 
+material_tensor corotational_tension(const int32_t c[MATERIAL_ENTRIES], material_tensor g) {
+  material_tensor counted;
+  (void)corotational_stress(c, g, &counted);
+  return material_stress(c, counted);
+}
+
 #endif

@@ -25,4 +25,7 @@
 material_tensor corotational_stress(const int32_t c[MATERIAL_ENTRIES], material_tensor g,
                                     material_tensor *counted);
 
+/* T of it. */
+material_tensor corotational_tension(const int32_t c[MATERIAL_ENTRIES], material_tensor g);
+
 #endif

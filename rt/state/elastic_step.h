@@ -24,10 +24,10 @@ typedef struct {
   elastic_impulse sum[STEP_MARKS];
 } metered_impulse;
 
-/* Of its body behind the last of these: on the cloth, and its velocity. */
+/* Of its body on the cloth: behind the last of these, and by stages. */
 typedef struct {
   int64_t impulse[3];
-  int32_t velocity[3];
+  int64_t given[STEP_MARKS][3];
 } metered_body;
 
 /* A body in the elastic steps of a substep. */
@@ -35,6 +35,7 @@ typedef struct {
   vec3 start;                    /* where the substep began, Q24 lu */
   int32_t at[3], low[3];         /* where it is: Q28 lu, wraps, and 31 bits below it */
   int32_t moved[3];              /* in this step, Q28 */
+  int32_t before[3];             /* velocity before the forces of this step, Q28 lu per substep */
   int32_t plane_gap[MAX_BODIES]; /* of a free body: height above each plane, Q28 */
 } elastic_body;
 

@@ -9,14 +9,15 @@ mkdir -p "$work"
 suite_needs 'the MISRA rules' cppcheck cppcheck
 
 count_rules() { # SOURCE: prints `rule places`
-  (cd "$work" && cppcheck --quiet --std=c11 --addon=misra -I. --suppress=missingIncludeSystem \
+  (cd "$work" && cppcheck -j "${JOBS:-2}" --cppcheck-build-dir=said --quiet --std=c11 --addon=misra -I. --suppress=missingIncludeSystem \
     --template='{file}:{line}:{column} {id}' "$1" 2>&1) | grep -E ' misra-c2012-' | sort -u >"$work/places"
   sed 's/.* misra-c2012-//' "$work/places" | sort -V | uniq -c | awk '{ print $2, $1 }'
 }
 
 awk -F'|' '/^\| [0-9]+\.[0-9]+ / { gsub(/ /, "", $2); gsub(/[ ,]/, "", $3); print $2, $3 }' \
   tests/proof/misra.md >"$work/listed"
-rm -rf "$work/rt"
+rm -rf "$work/rt" "$work/said"
+mkdir "$work/said"
 cp -r rt "$work/rt"
 count_rules rt >"$work/found"
 rules=0 places=0
