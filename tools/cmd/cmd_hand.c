@@ -49,7 +49,8 @@ static void print_usage(FILE *out) {
         "                   each end has its own file\n"
         "trouble, per thousand poses: --drop N --repeat N --reorder N --corrupt N;\n"
         "  --freeze MS (silent from then on), --jump MS (corner to corner from then on),\n"
-        "  --flood HZ (extra frames; with --key forged ones too), --seed N\n"
+        "  --flood HZ (extra frames, with --key forged ones too; at most a tenth of a second's\n"
+        "  between two SYNCs), --seed N\n"
         "\n"
         "exit: 0 good, 1 writing failed or the runtime stopped sending, 2 wrong use or input\n",
         out);
