@@ -5,8 +5,6 @@
 #ifndef FRAY_IMAGE_PHYSICS_ID_H
 #define FRAY_IMAGE_PHYSICS_ID_H
 
-#include <stdint.h>
-
-#define PHYSICS_ID UINT32_C(0x6FB1B09D)
+#define PHYSICS_ID 0x6FB1B09Du
 
 #endif

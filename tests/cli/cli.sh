@@ -409,7 +409,7 @@ if [ -e "$cd_work/w/frame_4294967300.png" ]; then pass; else fail "no picture of
 "$alter" word "$image" 1 131079 >"$cd_work/old.img"
 wants 2 "another version of the image format, section 0, element 1: expected image version 3.0; version 2 needs fray 0.3 or 0.4" "$FRAY" info "$cd_work/old.img"
 "$alter" word "$image" 6 1 >"$cd_work/other.img"
-own=$(sed -n 's/^#define PHYSICS_ID UINT32_C(0x\(.*\))$/\1/p' rt/image/physics_id.h | tr A-F a-f)
+own=$(sed -n 's/^#define PHYSICS_ID 0x\(.*\)u$/\1/p' rt/image/physics_id.h | tr A-F a-f)
 said="other.img: made by another version of the physics (id 00000001, this build has $own)"
 wants 0 "$said" "$FRAY" info "$cd_work/other.img"
 wants 0 "$said" "$FRAY" run "$cd_work/other.img" --ticks 3

@@ -193,7 +193,7 @@ folded_id() {
   for name in $(printf '%s\n' $cases | LC_ALL=C sort); do grep '^[0-9]' "$golden/$name.txt"; done |
     cksum | awk '{ printf "0x%08X\n", $1 }'
 }
-stated_id() { sed -n 's/^#define PHYSICS_ID UINT32_C(\(0x[0-9A-F]*\))$/\1/p' "$id_header"; }
+stated_id() { sed -n 's/^#define PHYSICS_ID \(0x[0-9A-F]*\)u$/\1/p' "$id_header"; }
 
 check_id() {
   if [ "$(stated_id)" = "$(folded_id)" ]; then
@@ -223,7 +223,7 @@ update() {
   update_golden
   id=$(folded_id)
   [ "$(stated_id)" != "$id" ] || return 0
-  sed "s/UINT32_C(0x[0-9A-F]*)/UINT32_C($id)/" "$id_header" >"$work/physics_id.h"
+  sed "s/ 0x[0-9A-F]*u$/ ${id}u/" "$id_header" >"$work/physics_id.h"
   cp "$work/physics_id.h" "$id_header"
   echo "$id_header: $id"
   suite_make BUILD="$FRAY_BUILD" "$FRAY"
