@@ -73,12 +73,12 @@ static const frame *listen_to(hand_live *l, const frame *f, frame *plain) {
 
 /* Behind a tenth of a second's frames it waits for a SYNC: on a starved machine a flood by the clock alone would
  * leave the runtime no time, and logs no room. */
-static int is_flooding(const hand_live *l) { return l->flooded_since_sync < (l->o->flood_hz + 9u) / 10u; }
+static int may_flood(const hand_live *l) { return l->flooded_since_sync < (l->o->flood_hz + 9u) / 10u; }
 
 /* A repeated SYNC is answered once. */
 static void answer_sync(hand_live *l, const codec_sync *sync) {
   l->last_sync_ns = timer_now_ns();
-  if (!is_flooding(l)) l->flood_next_ns = l->last_sync_ns;
+  if (!may_flood(l)) l->flood_next_ns = l->last_sync_ns;
   l->flooded_since_sync = 0;
   if (l->syncs != 0 && sync->tick == l->last_tick) return;
   l->last_tick = sync->tick;
@@ -111,7 +111,7 @@ static void forge(const hand_live *l, uint32_t bits, frame *f) {
 /* Well-formed poses with a wrong CRC, and unused ids. */
 static void flood(hand_live *l) {
   const int64_t now = timer_now_ns();
-  while (is_flooding(l) && l->flood_next_ns <= now) {
+  while (may_flood(l) && l->flood_next_ns <= now) {
     ++l->flooded_since_sync;
     const uint32_t bits = random_bits(l->simulated_device.faults.seed + 2u, (uint32_t)(l->flooded++ & UINT32_MAX));
     frame f;
@@ -134,7 +134,7 @@ static int64_t earlier(int64_t a_ns, int64_t b_ns) { return a_ns < b_ns ? a_ns :
 static int64_t until_due_us(const hand_live *l) {
   const int64_t now = timer_now_ns();
   int64_t due = now + WAIT_NS;
-  if (is_flooding(l)) due = earlier(due, l->flood_next_ns);
+  if (may_flood(l)) due = earlier(due, l->flood_next_ns);
   if (l->o->free_running) due = earlier(due, l->timer.next_ns);
   if (l->o->timeout_ms != 0) due = earlier(due, l->last_sync_ns + (int64_t)l->o->timeout_ms * 1000000);
   return due > now ? (due - now) / 1000 : 0;
