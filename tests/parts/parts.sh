@@ -52,6 +52,13 @@ for goal in san guests proof target-test; do
     "$(printf '%s\n' $whole | sort | words)"
 done
 
+# what make test runs: each suite and program in one part of four or in all, and all that are asked for by name
+chains_of() { FRAY_BUILD=b PART=$1 SUITES=${2:-} sh tests/chains.sh b/tests/physics/test_yarn_rest b/tests/physics/test_one | tr ' ' '\n' | grep .; }
+for k in 1 2 3 4; do chains_of $k/4 | sort -u; done | sort | uniq -c | awk '{ print $1 }' | sort -u >"$work/times"
+is 'make test: how often a suite or program is in four parts' "$(words <"$work/times")" '1 4'
+is 'make test in four parts' "$(for k in 1 2 3 4; do chains_of $k/4; done | sort -u | words)" "$(chains_of 1/1 | sort -u | words)"
+is 'make test, a suite of another part by its name' "$(chains_of 3/4 install | head -n 1)" install
+
 # .ci/run where every tool is there and make says what it is told
 tree=$work/tree
 mkdir -p "$tree/tests/bus" "$tree/.ci"
