@@ -5,6 +5,6 @@
 #ifndef FRAY_IMAGE_PHYSICS_ID_H
 #define FRAY_IMAGE_PHYSICS_ID_H
 
-#define PHYSICS_ID 0x6FB1B09Du
+#define PHYSICS_ID 0x99AB2C6Fu
 
 #endif

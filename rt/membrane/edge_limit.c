@@ -81,13 +81,19 @@ static vec3 velocity_before(const fray_world *w, uint32_t p) {
                                     : vec_at(w->p.vx, w->p.vy, w->p.vz, p);
 }
 
-/* c of an edge, while forces alone have acted. */
+/* While forces alone have acted. */
 static void begin_edge(const fray_world *w, limited_edge *e, const elastic_step *step) {
-  const vec3 d = edge_now(w, e);
   const vec3 before = vec_sub_saturated(velocity_before(w, e->j), velocity_before(w, e->i));
-  const vec3 change = vec_sub_saturated(separation_of(w, e, step), before);
-  const uint64_t squared = vec_squared(d);
-  e->half = squared == 0 ? 0 : vec_dot_unit(change, vec_root_unit(fx_rsqrt(squared, FX_ROOT_FINE), d)) / 2;
+  vec_store(e->forced, vec_sub_saturated(separation_of(w, e, step), before));
+}
+
+/* Whether neither limit can be met in this step, by squares: slower than the rate in any direction, and so
+ * far from the length that this does not reach it. Then there is nothing to solve. */
+static int is_free(uint64_t squared, vec3 velocity, int64_t longest, int64_t rate, int64_t in_a_step) {
+  enum { ROUNDING = 4 };
+  const int64_t slow = fx_clamp64(rate - ROUNDING, 0, INT32_MAX);
+  const int64_t near = fx_clamp64(longest - in_a_step - ROUNDING, 0, INT32_MAX);
+  return vec_squared(velocity) < (uint64_t)(slow * slow) && squared < (uint64_t)(near * near);
 }
 
 /* The nearest that leaves |u| no larger. */
@@ -102,17 +108,19 @@ static void solve_edge(fray_world *w, const limited_edge *e, const elastic_step 
   const uint64_t k = (uint64_t)step_inverse_mass(w, e->i) + step_inverse_mass(w, e->j);
   const uint64_t squared = vec_squared(d);
   if (squared == 0 || k == 0) return;
-  const fx_root root = fx_rsqrt(squared, FX_ROOT_FINE);
-  const vec3 unit = vec_root_unit(root, d);
-  const int32_t separating = vec_dot_unit(separation_of(w, e, step), unit);
+  const vec3 velocity = separation_of(w, e, step);
   const int64_t longest =
       (int64_t)((uint64_t)e->rest * limit_of(w) >> (16 - FX_SUB_BITS)); /* Q28 */
+  const int64_t in_a_step = (int64_t)e->rest << FX_SUB_BITS >> RATE_BITS;
+  const int32_t rate = fx_saturate(in_a_step * w->membrane.constants->steps);
+  if (is_free(squared, velocity, longest, rate, in_a_step)) return;
+  const fx_root root = fx_rsqrt(squared, FX_ROOT_FINE);
+  const vec3 unit = vec_root_unit(root, d);
+  const int32_t separating = vec_dot_unit(velocity, unit);
   const int32_t room = fx_saturate(longest - fx_root_length(root));
   const int32_t by_room = -step_speed_min(room, w->membrane.constants->steps, step->rise);
-  const int32_t rate = fx_saturate(
-      (int64_t)e->rest * (1 << FX_SUB_BITS) * w->membrane.constants->steps >> RATE_BITS);
-  const int32_t wanted =
-      passive(fx_max(-rate, fx_min(separating, fx_min(by_room, rate))), separating, e->half);
+  const int32_t half = vec_dot_unit(vec_of(e->forced), unit) / 2;
+  const int32_t wanted = passive(fx_max(-rate, fx_min(separating, fx_min(by_room, rate))), separating, half);
   if (wanted == separating) return;
   const int32_t mass = step_mass_of(k);
   const vec3 change = vec_scale_unit(unit, fx_saturate((int64_t)wanted - separating));

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What acted in an elastic step, for the energy ledger: the work of its impulse times the mean of the
- * velocities before and behind the step. Impulses of constraints are what the sum gained from mark to
- * mark: one by one, each would have its own part of the velocities behind the step. Both are found again
- * from what the step left: the drag of a speed is less than one for one, so the speed before it is the
- * fixed point of a few rounds. A kernel's steps are the same. */
+/* What acted in an elastic step, for the energy ledger. Loads and drag: the work of their impulse times the
+ * mean of the velocities before and behind the step. Constraints: what each stage changes of m u^2 / 2, u the
+ * velocity less half of what forces change of it in the step; in sum that is the same, and stage by stage it
+ * does not depend on what those behind do (membrane/edge_limit.c). Both are found again from what the step
+ * left: the drag of a speed is less than one for one, so the speed before it is the fixed point of a few
+ * rounds. A kernel's steps are the same. */
 #include "rt/membrane/step_meter.h"
 
 #include "rt/membrane/membrane.h"
@@ -14,22 +15,26 @@
 typedef struct {
   int64_t taken; /* by drag */
   int64_t twice_mean;
+  int64_t behind; /* all impulses, before drag and gravity */
 } metered_axis;
+
+static int64_t change_of(const step_view *k, uint32_t p, int32_t impulse) {
+  return fx_round64(fx_mul_wide(impulse, k->inverse[p]),
+                    ELASTIC_IMPULSE_BITS + ELASTIC_INVERSE_BITS - FX_VELOCITY_BITS);
+}
 
 static metered_axis meter_axis(const step_view *k, uint32_t p, uint32_t n, int32_t impulse) {
   const int64_t speed = (int64_t)k->v[n][p] - k->gravity[n];
   const int64_t size = speed < 0 ? -speed : speed;
-  const int64_t change = fx_round64(fx_mul_wide(impulse, k->inverse[p]),
-                                    ELASTIC_IMPULSE_BITS + ELASTIC_INVERSE_BITS - FX_VELOCITY_BITS);
   int64_t lost = 0;
   for (uint32_t round = 0; round < 3; ++round) lost = ((size + lost) * k->drag + k->dither) >> 30;
   const int64_t taken = speed < 0 ? -lost : lost;
-  const metered_axis a = {taken, speed + taken - change + k->v[n][p]};
+  const metered_axis a = {taken, speed + taken - change_of(k, p, impulse) + k->v[n][p], speed + taken};
   return a;
 }
 
-static wide_number times_mean(int64_t by, const metered_axis *a, unsigned bits) {
-  return wide_product(by, a->twice_mean, bits + FX_VELOCITY_BITS + 1u);
+static wide_number times_half(int64_t by, int64_t twice, unsigned bits) {
+  return wide_product(by, twice, bits + FX_VELOCITY_BITS + 1u);
 }
 
 static void add_row(fray_world *w, wide_number *row, wide_number work) {
@@ -43,29 +48,58 @@ static int32_t axis_of(const elastic_impulse *a, uint32_t n) { return n == 0 ? a
 static const fray_energy_stage marked_stage[STEP_MARKS] = {FRAY_ENERGY_LIMITS, FRAY_ENERGY_CONTACT,
                                                            FRAY_ENERGY_SELF_COLLISION};
 
-static void meter_stages(fray_world *w, uint32_t p, uint32_t n, const metered_axis *a) {
+static void meter_stages(fray_world *w, const step_view *k, uint32_t p, uint32_t n, const metered_axis *a) {
   const metered_impulse *m = &w->membrane.metered_impulses[p];
-  for (uint32_t k = 0; k < STEP_MARKS; ++k) {
-    const elastic_impulse *behind = k + 1u < STEP_MARKS ? &m->sum[k + 1u] : &w->membrane.impulse[p];
-    const int64_t part = (int64_t)axis_of(behind, n) - axis_of(&m->sum[k], n);
+  const int32_t end = axis_of(&w->membrane.impulse[p], n);
+  const int32_t forced = axis_of(&m->sum[0], n);
+  const int64_t twice_before = /* 2 u, before any impulse */
+      2 * (a->behind - change_of(k, p, end)) + k->gravity[n] - change_of(k, p, forced);
+  int32_t before = forced;
+  for (uint32_t mark = 1; mark <= STEP_MARKS; ++mark) {
+    const int32_t behind = mark < STEP_MARKS ? axis_of(&m->sum[mark], n) : end;
+    const int64_t part = (int64_t)behind - before;
     if (part != 0)
-      add_row(w, &w->energy.stage[marked_stage[k]], times_mean(part, a, ELASTIC_IMPULSE_BITS));
+      add_row(w, &w->energy.stage[marked_stage[mark - 1u]],
+              times_half(part, twice_before + change_of(k, p, before) + change_of(k, p, behind),
+                         ELASTIC_IMPULSE_BITS));
+    before = behind;
   }
+  /* drag slows what constraints gave */
+  if (end != forced)
+    add_row(w, &w->energy.stage[FRAY_ENERGY_DRAG],
+            times_half((int64_t)forced - end, a->taken, ELASTIC_IMPULSE_BITS));
 }
 
-/* A body has the work of its impulse on the cloth, and the stage what is left of that, by the same mean. */
+enum { FINE_BITS = FX_VELOCITY_BITS + 16 };
+
+static int is_driven(const fray_world *w, uint32_t b) {
+  return w->rigid.bodies[b].motion != FRAY_FREE || w->rigid.bodies[b].mass_ratio <= 0;
+}
+
+/* Of a change of its speed, by twice the mean of u, both Q44. */
+static wide_number free_work(const fray_world *w, uint32_t b, int64_t change, int64_t twice) {
+  return wide_times(wide_product(change, twice, 2 * FINE_BITS + 1),
+                    ((int64_t)1 << 50) / w->rigid.bodies[b].mass_ratio, 20);
+}
+
+/* A driven body has the work of its impulse on the cloth, and the stage what is left of that. A free one is
+ * changed by the stage, planes under it too. */
 static void meter_body(fray_world *w, uint32_t b, uint32_t mark) {
   metered_body *m = &w->membrane.metered_bodies[b];
-  const int32_t *before = w->membrane.bodies[b].before;
-  const int32_t *v = w->rigid.states[b].velocity;
-  const int64_t *impulse = w->rigid.motion[b].impulse;
+  const body_state *s = &w->rigid.states[b];
   for (uint32_t n = 0; n < 3; ++n) {
-    if (mark != 0) m->given[mark - 1u][n] = impulse[n] - m->impulse[n];
-    m->impulse[n] = impulse[n];
-    for (uint32_t k = 0; k < STEP_MARKS && mark == STEP_MARKS; ++k)
-      if (m->given[k][n] != 0)
-        add_row(w, &w->energy.stage[marked_stage[k]],
-                wide_product(-m->given[k][n], (int64_t)before[n] + v[n], 2 * FX_VELOCITY_BITS + 1));
+    const int64_t before = w->membrane.bodies[b].before[n];
+    const int64_t speed = (int64_t)s->velocity[n] * (1 << 16) + ((uint32_t)s->fraction[n] >> 14);
+    const int64_t impulse = w->rigid.motion[b].impulse[n];
+    if (mark == 0)
+      m->forced[n] = speed - before * (1 << 16);
+    else
+      add_row(w, &w->energy.stage[marked_stage[mark - 1u]],
+              is_driven(w, b)
+                  ? wide_product(m->impulse[n] - impulse, s->velocity[n], 2 * FX_VELOCITY_BITS)
+                  : free_work(w, b, speed - m->speed[n], speed + m->speed[n] - m->forced[n]));
+    m->impulse[n] = impulse;
+    m->speed[n] = speed;
   }
 }
 
@@ -87,13 +121,13 @@ static void meter_vertex(fray_world *w, const step_view *k, uint32_t p) {
   const int32_t external[3] = {load->x, load->y, load->z};
   for (uint32_t n = 0; n < 3; ++n) {
     const metered_axis a = meter_axis(k, p, n, impulse[n]);
-    meter_stages(w, p, n, &a);
+    meter_stages(w, k, p, n, &a);
     if (k->drag != 0)
       add_row(w, &w->energy.stage[FRAY_ENERGY_DRAG],
-              times_mean(-mass * a.taken, &a, FX_VELOCITY_BITS + MASS_BITS));
+              times_half(-mass * a.taken, a.twice_mean, FX_VELOCITY_BITS + MASS_BITS));
     if (external[n] != 0)
       add_row(w, &w->energy.supplied[FRAY_SUPPLIED_LOADS],
-              times_mean(external[n], &a, ELASTIC_IMPULSE_BITS));
+              times_half(external[n], a.twice_mean, ELASTIC_IMPULSE_BITS));
   }
 }
 

@@ -24,10 +24,11 @@ typedef struct {
   elastic_impulse sum[STEP_MARKS];
 } metered_impulse;
 
-/* Of its body on the cloth: behind the last of these, and by stages. */
+/* Of its body, behind the last of these: its impulse on the cloth, its speed, and what forces changed of
+ * that, Q44. */
 typedef struct {
   int64_t impulse[3];
-  int64_t given[STEP_MARKS][3];
+  int64_t speed[3], forced[3];
 } metered_body;
 
 /* A body in the elastic steps of a substep. */
@@ -45,7 +46,7 @@ enum { LIMITED_EDGES_PER_TRIANGLE = 3 }; /* room in the pool */
 typedef struct {
   index_t i, j;
   uint32_t rest; /* its length at rest, Q24 lu */
-  int32_t half;  /* along it: half of what forces change of its velocity in a step, Q28 lu per substep */
+  int32_t forced[3]; /* what forces change of its velocity in a step, Q28 lu per substep */
 } limited_edge;
 
 /* c of a triangle in this tick (until membrane_gains_update()), then c times its area: from a strain in Q28
