@@ -21,10 +21,6 @@ static wide_number total_of(const fray_world *w, const energy_stored *e) {
   return wide_add(coupled, wide_add(wide_add(e->stretch, e->shear), wide_add(e->bend, e->yarns)));
 }
 
-static int is_driven(const fray_world *w, uint32_t b) {
-  return w->rigid.bodies[b].motion != FRAY_FREE || w->rigid.bodies[b].mass_ratio <= 0;
-}
-
 static void book_body(fray_world *w, uint32_t b, wide_number work) {
   energy_ledger *l = &w->energy;
   const fray_energy_supply row =
@@ -41,7 +37,7 @@ static void book_impulses(fray_world *w) {
     for (uint32_t n = 0; n < 3; ++n) {
       const int64_t gained = m->impulse[n] - l->seen[b][n];
       l->seen[b][n] = m->impulse[n];
-      if (gained != 0 && is_driven(w, b))
+      if (gained != 0 && body_is_driven(&w->rigid.bodies[b]))
         book_body(w, b,
                   wide_product(gained, w->rigid.states[b].velocity[n], 2u * FX_VELOCITY_BITS));
     }
@@ -106,7 +102,7 @@ void energy_close_bodies(fray_world *w) {
   bytes_copy(held, l->last.held, sizeof held);
   energy_measure_motion(w, &l->last);
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
-    if (is_driven(w, b)) book_body(w, b, wide_sub(l->last.held[b], held[b]));
+    if (body_is_driven(&w->rigid.bodies[b])) book_body(w, b, wide_sub(l->last.held[b], held[b]));
   book(w, FRAY_ENERGY_STEPS, 0);
 }
 

@@ -88,9 +88,10 @@ static void begin_edge(const fray_world *w, limited_edge *e, const elastic_step 
 }
 
 /* Whether neither limit can be met in this step, by squares: slower than the rate in any direction, and so
- * far from the length that this does not reach it. Then there is nothing to solve. */
-static int is_free(uint64_t squared, vec3 velocity, int64_t longest, int64_t rate, int64_t in_a_step) {
-  enum { ROUNDING = 4 };
+ * far from the length that this does not reach it. Then there is nothing to solve. Roots are within 2^-28 of
+ * what is below 2^31. */
+static int is_clear(uint64_t squared, vec3 velocity, int64_t longest, int64_t rate, int64_t in_a_step) {
+  enum { ROUNDING = 16 };
   const int64_t slow = fx_clamp64(rate - ROUNDING, 0, INT32_MAX);
   const int64_t near = fx_clamp64(longest - in_a_step - ROUNDING, 0, INT32_MAX);
   return vec_squared(velocity) < (uint64_t)(slow * slow) && squared < (uint64_t)(near * near);
@@ -113,7 +114,7 @@ static void solve_edge(fray_world *w, const limited_edge *e, const elastic_step 
       (int64_t)((uint64_t)e->rest * limit_of(w) >> (16 - FX_SUB_BITS)); /* Q28 */
   const int64_t in_a_step = (int64_t)e->rest << FX_SUB_BITS >> RATE_BITS;
   const int32_t rate = fx_saturate(in_a_step * w->membrane.constants->steps);
-  if (is_free(squared, velocity, longest, rate, in_a_step)) return;
+  if (is_clear(squared, velocity, longest, rate, in_a_step)) return;
   const fx_root root = fx_rsqrt(squared, FX_ROOT_FINE);
   const vec3 unit = vec_root_unit(root, d);
   const int32_t separating = vec_dot_unit(velocity, unit);

@@ -2,8 +2,8 @@
 /* What acted in an elastic step, for the energy ledger. Loads and drag: the work of their impulse times the
  * mean of the velocities before and behind the step. Constraints: what each stage changes of m u^2 / 2, u the
  * velocity less half of what forces change of it in the step; in sum that is the same, and stage by stage it
- * does not depend on what those behind do (membrane/edge_limit.c). Both are found again from what the step
- * left: the drag of a speed is less than one for one, so the speed before it is the fixed point of a few
+ * does not depend on what those behind do (membrane/edge_limit.c). Velocities are found again from what the
+ * step left: the drag of a speed is less than one for one, so the speed before it is the fixed point of a few
  * rounds. A kernel's steps are the same. */
 #include "rt/membrane/step_meter.h"
 
@@ -72,10 +72,6 @@ static void meter_stages(fray_world *w, const step_view *k, uint32_t p, uint32_t
 
 enum { FINE_BITS = FX_VELOCITY_BITS + 16 };
 
-static int is_driven(const fray_world *w, uint32_t b) {
-  return w->rigid.bodies[b].motion != FRAY_FREE || w->rigid.bodies[b].mass_ratio <= 0;
-}
-
 /* Of a change of its speed, by twice the mean of u, both Q44. */
 static wide_number free_work(const fray_world *w, uint32_t b, int64_t change, int64_t twice) {
   return wide_times(wide_product(change, twice, 2 * FINE_BITS + 1),
@@ -95,7 +91,7 @@ static void meter_body(fray_world *w, uint32_t b, uint32_t mark) {
       m->forced[n] = speed - before * (1 << 16);
     else
       add_row(w, &w->energy.stage[marked_stage[mark - 1u]],
-              is_driven(w, b)
+              body_is_driven(&w->rigid.bodies[b])
                   ? wide_product(m->impulse[n] - impulse, s->velocity[n], 2 * FX_VELOCITY_BITS)
                   : free_work(w, b, speed - m->speed[n], speed + m->speed[n] - m->forced[n]));
     m->impulse[n] = impulse;

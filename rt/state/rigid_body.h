@@ -57,6 +57,8 @@ static inline int body_is_sphere_collider(const rigid_body *k) {
   return (SHAPES_COLLIDER >> k->shape & 1) != 0;
 }
 static inline int body_is_mesh(const rigid_body *k) { return k->shape == FRAY_MESH; }
+/* No impulse moves it. */
+static inline int body_is_driven(const rigid_body *k) { return k->motion != FRAY_FREE || k->mass_ratio <= 0; }
 
 /* A path goes straight from key to key and rests after the last. */
 typedef struct {

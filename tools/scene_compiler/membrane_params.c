@@ -359,13 +359,13 @@ static int find_plate(const draft *d, plate *p) {
   return 1;
 }
 
-/* Bending acts once in as many elastic steps as stay stable: a plate of stiffness D vibrates on such a mesh
- * at up to root(150 D / rho) / edge^2, and a step may be 2 / 1.5 over that; but in no more than
- * BEND_EVERY_MAX, as impulses that come with half a period of stretch, or a multiple of it, feed that. Parts
- * of a substep are alike, so the number of elastic steps is rounded up to that. Where a single step is too
- * long, bending acts in each with *share of D, Q16. */
 enum { BEND_EVERY_MAX = 8 };
 
+/* Bending acts once in as many elastic steps as stay stable: a plate of stiffness D vibrates on such a mesh
+ * at up to root(150 D / rho) / edge^2, and a step may be 2 / 1.5 over that; but in no more than
+ * BEND_EVERY_MAX, as impulses that come with half a period of stretch, or a multiple of it, feed that. The
+ * number of elastic steps is rounded up to equal intervals. Where a single step is too long, bending acts in
+ * each with *share of D, Q16. */
 static int find_bending(draft *d, int64_t edge, const plate *p, membrane_params *c, int64_t *share) {
   const scene *s = d->scene;
   const material_spec *cloth = &s->membrane.cloth;
@@ -390,11 +390,11 @@ static int find_bending(draft *d, int64_t edge, const plate *p, membrane_params 
   if (!exact_to_fixed(wanted, 16, &steps)) steps = (int64_t)1 << 40;
   const int64_t every = (int64_t)exact_sqrt((uint64_t)(steps < 0 ? 0 : steps)) >> 8;
   const uint32_t longest = (uint32_t)fx_clamp64(every, 1, BEND_EVERY_MAX);
-  const uint32_t parts = (d->elastic_steps + longest - 1) / longest;
-  const uint32_t period = (d->elastic_steps + parts - 1) / parts;
+  const uint32_t intervals = (d->elastic_steps + longest - 1) / longest;
+  const uint32_t period = (d->elastic_steps + intervals - 1) / intervals;
   if (every == 0) *share = steps;
   c->bend_every = (int32_t)period;
-  d->elastic_steps = parts * period;
+  d->elastic_steps = intervals * period;
   return 1;
 }
 
