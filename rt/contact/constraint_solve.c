@@ -1,14 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Contact of a membrane and bodies at the velocity, in each elastic step. A point that would pass
  * its plane in this step gets the impulse along the normal that stops it there, and friction within
- * the Coulomb cone. Sequential impulses: each sees those before it.
- *
- * With the impulse along J M^-1, the energy of the leapfrog step (v- v+ / 2 and what is stored)
- * changes by lambda (J v- + J v+) / 2 = - lambda gap / 2 dt, which is not above 0 while the gap is
- * not below it: a contact takes energy, whatever stands behind it, and gives no more than the work
- * of the body. Out of an overlap it gives what the slow way out takes, STEP_RISE_UM_S. */
+ * the Coulomb cone. Sequential impulses: each sees those before it, and none makes energy
+ * (elastic/step_passive.h). Out of an overlap a point goes at STEP_RISE_UM_S. */
 #include "rt/contact/constraints.h"
 #include "rt/contact/shape.h"
+#include "rt/elastic/step_passive.h"
 #include "rt/geometry/closest_point.h"
 
 enum { WEIGHT_BITS = 15 };
@@ -21,6 +18,14 @@ static vec3 point_velocity(const fray_world *w, const contact_constraint *c,
     if (c->weight[k] != 0)
       sum = vec_add64(sum, vec_scale64(step_velocity(w, c->vertex[k], step), c->weight[k]));
   return vec_round_saturated(sum, WEIGHT_BITS);
+}
+
+static vec3 half_of(const fray_world *w, const contact_constraint *c, const elastic_step *step) {
+  vec64 sum = {0, 0, 0};
+  for (uint32_t k = 0; k < 3; ++k)
+    if (c->weight[k] != 0)
+      sum = vec_add64(sum, vec_scale64(step_half_of(w, c->vertex[k], step), c->weight[k]));
+  return vec_sub_saturated(vec_round_saturated(sum, WEIGHT_BITS), step_body_half_of(w, c->body));
 }
 
 static void push_point(fray_world *w, const contact_constraint *c, vec3 change) {
@@ -113,9 +118,12 @@ static void solve_constraint(fray_world *w, contact_constraint *c, const elastic
       vec_sub_saturated(point_velocity(w, c, step), step_body_velocity(w, c->body));
   const int32_t least = step_speed_min(c->gap, w->membrane.constants->steps, step->rise);
   const int32_t friction = c->body == CONSTRAINT_WORLD ? 0 : w->rigid.bodies[c->body].friction;
-  int32_t along;
-  const vec3 change = step_contact_change(velocity, c->normal, least, friction, &along);
-  if (vec_span(change) != 0) {
+  const vec3 wanted = step_contact_change(velocity, c->normal, least, friction);
+  int32_t along = vec_dot_unit(velocity, c->normal);
+  if (vec_span(wanted) != 0) {
+    const vec3 u = vec_sub_saturated(velocity, half_of(w, c, step));
+    const vec3 change = step_passive_change(w, c->mass, u, wanted);
+    along = fx_add_saturated(along, vec_dot_unit(change, c->normal));
     push_point(w, c, change);
     if (c->body == CONSTRAINT_WORLD) world_fault(w, FRAY_FAULT_OUT_OF_WORLD);
   }

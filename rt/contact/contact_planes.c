@@ -4,6 +4,7 @@
 #include "rt/contact/constraints.h"
 #include "rt/contact/contact.h"
 #include "rt/contact/shape.h"
+#include "rt/elastic/step_passive.h"
 #include "rt/state/rigid_mesh.h"
 
 /* Extent of a mesh against the normal, which points up. */
@@ -52,14 +53,17 @@ void contact_planes_find(fray_world *w) {
 
 static void solve_planes(fray_world *w, uint32_t b, int32_t *gap, const elastic_step *step) {
   int32_t *velocity = w->rigid.states[b].velocity;
+  const int32_t inverse = fx_max(1, w->rigid.bodies[b].mass_ratio >> 6);
   for (uint32_t g = 0; g < (uint32_t)w->params->bodies; ++g) {
     const rigid_body *plane = &w->rigid.bodies[g];
     if (!shape_is_plane(plane)) continue;
+    const vec3 normal = shape_plane_normal(plane);
     const vec3 relative = vec_sub_saturated(vec_of(velocity), vec_of(w->rigid.states[g].velocity));
     const int32_t least = step_speed_min(gap[g], w->membrane.constants->steps, step->rise);
-    int32_t along;
-    const vec3 change =
-        step_contact_change(relative, shape_plane_normal(plane), least, plane->friction, &along);
+    const vec3 wanted = step_contact_change(relative, normal, least, plane->friction);
+    const vec3 u = vec_sub_saturated(relative, step_body_half_of(w, b));
+    const vec3 change = step_passive_change(w, step_mass_of((uint32_t)inverse), u, wanted);
+    const int32_t along = fx_add_saturated(vec_dot_unit(relative, normal), vec_dot_unit(change, normal));
     vec_store(velocity, vec_add_clamped(vec_of(velocity), change, INT32_MAX));
     gap[g] = fx_saturate(gap[g] + fx_asr64(fx_mul_wide(along, step->part), 31));
   }

@@ -42,8 +42,7 @@ static void solve_step(fray_world *w, const contact *c, const yarn_step *step) {
   const vec3 velocity = world_velocity(w, p);
   const vec3 body = vec_of(w->rigid.states[b].velocity);
   const vec3 relative = vec_sub_saturated(vec_add_clamped(velocity, step->gravity, INT32_MAX), body);
-  int32_t along;
-  const vec3 change = step_contact_change(relative, normal, least, w->rigid.bodies[b].friction, &along);
+  const vec3 change = step_contact_change(relative, normal, least, w->rigid.bodies[b].friction);
   if (vec_span(change) == 0) return;
   const vec3 impulse = vec_round_clamped(vec_scale64(change, contact_mass(w, b, p)), STEP_MASS_BITS,
                                          FX_SPEED_MAX / 2);

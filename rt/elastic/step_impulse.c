@@ -82,11 +82,9 @@ vec64 step_push(fray_world *w, uint32_t p, vec64 impulse) {
   return taken;
 }
 
-vec3 step_contact_change(vec3 velocity, vec3 normal, int32_t least, int32_t friction,
-                         int32_t *along) {
+vec3 step_contact_change(vec3 velocity, vec3 normal, int32_t least, int32_t friction) {
   FRAY_ASSERT(friction >= 0);
   const int32_t speed = vec_dot_unit(velocity, normal);
-  *along = fx_max(speed, least);
   if (speed >= least) return vec_make(0, 0, 0);
   const int32_t pushed = fx_saturate((int64_t)least - speed);
   const vec3 slip = vec_sub_saturated(velocity, vec_scale_unit(normal, speed));

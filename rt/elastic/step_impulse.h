@@ -48,10 +48,8 @@ vec64 step_push(fray_world *w, uint32_t p, vec64 impulse);
 /* A body gives the cloth an impulse, Q26; a free one feels it at once. */
 void step_push_body(fray_world *w, uint32_t b, vec64 impulse);
 /* The change that keeps a relative velocity from being below `least` along the normal, with Coulomb
- * friction, Q16, against what slips beside it: 0 where it is not below. *along: the speed along the
- * normal then. */
-vec3 step_contact_change(vec3 velocity, vec3 normal, int32_t least, int32_t friction,
-                         int32_t *along);
+ * friction, Q16, against what slips beside it: 0 where it is not below. */
+vec3 step_contact_change(vec3 velocity, vec3 normal, int32_t least, int32_t friction);
 /* A mass in Q16 times a change of velocity in Q28: Q26. */
 vec64 step_impulse_of(int32_t mass, vec3 change);
 

@@ -90,6 +90,7 @@ const image_array image_arrays[] = {
     SHEET_TICK(POOL_TRIANGLES, bend_moment, membrane.moments),
     SHEET_TICK(POOL_PARTICLES, elastic_position, membrane.positions),
     SHEET_TICK(POOL_PARTICLES, elastic_impulse, membrane.impulse),
+    SHEET_TICK(POOL_PARTICLES, elastic_impulse, membrane.forced),
     SHEET_TICK(POOL_PARTICLES, elastic_impulse, membrane.external_impulse),
 #if FRAY_ENERGY
     SHEET_TICK(POOL_PARTICLES, metered_impulse, membrane.metered_impulses),

@@ -245,5 +245,5 @@ void bend_prepare(fray_world *w) {
     if (t < count) faded |= (uint32_t)prepare_triangle(&view, t++);
   }
   if ((faded | w->membrane.bend_faded) != 0) hold_folds(w);
-  w->membrane.bend_faded = faded;
+  w->membrane.bend_faded = faded != 0;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Limits of edges, in each elastic step at the velocity: impulses on both ends, which take energy as a
- * contact does (contact/constraint_solve.c).
+/* Limits of edges, in each elastic step at the velocity: impulses on both ends. Each by itself
+ * makes no energy (elastic/step_passive.h): where they could spend what others take, edges that bodies draw
+ * went on to four times their length.
  *
  *   length   no edge grows longer than `edge_limit` times its rest length, or than three times where there is
  *            none, as strains beyond that are not told apart. The limit is above the strain at which cloth
@@ -10,13 +11,8 @@
  *            one after each step leapfrog does not keep its energy, however small w h is: splinters gained
  *            speed without end.
  *
- * Those that may get there are found once a substep. No SIMD twin: edges follow one another.
- *
- * In a leapfrog step an impulse J along an edge adds J (v- + v+) / 2 to the energy, with how fast the edge
- * separates before the step's forces, v-, and behind all impulses, v+. With c half of what forces change of
- * it and u = v - c, all impulses of a step add the change of m u^2 / 2. So each is clamped to leave |u| no
- * larger, and takes energy in any order, whether or not others undo it. To stop edges is not enough: those
- * that bodies hold beyond their limits gained energy without end. */
+ * Those that may get there are found once a substep. No SIMD twin: edges follow one another. */
+#include "rt/elastic/step_passive.h"
 #include "rt/membrane/membrane.h"
 #include "rt/state/deformation.h"
 
@@ -72,21 +68,6 @@ static vec3 edge_now(const fray_world *w, const limited_edge *e) {
   return vec_wrap_sub(vec_of(place[e->j].at), vec_of(place[e->i].at));
 }
 
-static vec3 separation_of(const fray_world *w, const limited_edge *e, const elastic_step *step) {
-  return vec_sub_saturated(step_velocity(w, e->j, step), step_velocity(w, e->i, step));
-}
-
-static vec3 velocity_before(const fray_world *w, uint32_t p) {
-  return particle_is_attached(w, p) ? vec_of(w->membrane.bodies[w->p.attach_body[p]].before)
-                                    : vec_at(w->p.vx, w->p.vy, w->p.vz, p);
-}
-
-/* While forces alone have acted. */
-static void begin_edge(const fray_world *w, limited_edge *e, const elastic_step *step) {
-  const vec3 before = vec_sub_saturated(velocity_before(w, e->j), velocity_before(w, e->i));
-  vec_store(e->forced, vec_sub_saturated(separation_of(w, e, step), before));
-}
-
 /* Whether neither limit can be met in this step, by squares: slower than the rate in any direction, and so
  * far from the length that this does not reach it. Then there is nothing to solve. Roots are within 2^-28 of
  * what is below 2^31. */
@@ -109,7 +90,7 @@ static void solve_edge(fray_world *w, const limited_edge *e, const elastic_step 
   const uint64_t k = (uint64_t)step_inverse_mass(w, e->i) + step_inverse_mass(w, e->j);
   const uint64_t squared = vec_squared(d);
   if (squared == 0 || k == 0) return;
-  const vec3 velocity = separation_of(w, e, step);
+  const vec3 velocity = vec_sub_saturated(step_velocity(w, e->j, step), step_velocity(w, e->i, step));
   const int64_t longest =
       (int64_t)((uint64_t)e->rest * limit_of(w) >> (16 - FX_SUB_BITS)); /* Q28 */
   const int64_t in_a_step = (int64_t)e->rest << FX_SUB_BITS >> RATE_BITS;
@@ -120,7 +101,8 @@ static void solve_edge(fray_world *w, const limited_edge *e, const elastic_step 
   const int32_t separating = vec_dot_unit(velocity, unit);
   const int32_t room = fx_saturate(longest - fx_root_length(root));
   const int32_t by_room = -step_speed_min(room, w->membrane.constants->steps, step->rise);
-  const int32_t half = vec_dot_unit(vec_of(e->forced), unit) / 2;
+  const vec3 halves = vec_sub_saturated(step_half_of(w, e->j, step), step_half_of(w, e->i, step));
+  const int32_t half = vec_dot_unit(halves, unit);
   const int32_t wanted = passive(fx_max(-rate, fx_min(separating, fx_min(by_room, rate))), separating, half);
   if (wanted == separating) return;
   const int32_t mass = step_mass_of(k);
@@ -135,6 +117,5 @@ void edge_limits_solve(fray_world *w, const elastic_step *step) {
   limited_edge *e = w->membrane.limited_edges;
   FRAY_ASSERT(w->membrane.limited_edge_count <=
               (uint32_t)LIMITED_EDGES_PER_TRIANGLE * w->capacity[POOL_TRIANGLES]);
-  for (uint32_t n = 0; n < w->membrane.limited_edge_count; ++n) begin_edge(w, &e[n], step);
   for (uint32_t n = 0; n < w->membrane.limited_edge_count; ++n) solve_edge(w, &e[n], step);
 }

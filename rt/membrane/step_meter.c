@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What acted in an elastic step, for the energy ledger. Loads and drag: the work of their impulse times the
- * mean of the velocities before and behind the step. Constraints: what each stage changes of m u^2 / 2, u the
- * velocity less half of what forces change of it in the step; in sum that is the same, and stage by stage it
- * does not depend on what those behind do (membrane/edge_limit.c). Velocities are found again from what the
- * step left: the drag of a speed is less than one for one, so the speed before it is the fixed point of a few
- * rounds. A kernel's steps are the same. */
+ * mean of the velocities before and behind the step. Constraints: what each stage changes of m u^2 / 2
+ * (elastic/step_passive.h); in sum that is the same, and stage by stage it does not depend on those behind
+ * it. Velocities are found again from what the step left: the drag of a speed is less than one for one, so
+ * the speed before it is the fixed point of a few rounds. A kernel's steps are the same. */
 #include "rt/membrane/step_meter.h"
 
 #include "rt/membrane/membrane.h"

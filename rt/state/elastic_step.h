@@ -37,6 +37,7 @@ typedef struct {
   int32_t at[3], low[3];         /* where it is: Q28 lu, wraps, and 31 bits below it */
   int32_t moved[3];              /* in this step, Q28 */
   int32_t before[3];             /* velocity before the forces of this step, Q28 lu per substep */
+  int32_t half[3];               /* half of what these change of it */
   int32_t plane_gap[MAX_BODIES]; /* of a free body: height above each plane, Q28 */
 } elastic_body;
 
@@ -46,7 +47,6 @@ enum { LIMITED_EDGES_PER_TRIANGLE = 3 }; /* room in the pool */
 typedef struct {
   index_t i, j;
   uint32_t rest; /* its length at rest, Q24 lu */
-  int32_t forced[3]; /* what forces change of its velocity in a step, Q28 lu per substep */
 } limited_edge;
 
 /* c of a triangle in this tick (until membrane_gains_update()), then c times its area: from a strain in Q28

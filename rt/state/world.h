@@ -137,8 +137,9 @@ typedef struct {
   bend_normal *normals;            /* of a triangle, in a bending step */
   bend_moment *moments;
   uint32_t fold_count;
-  uint32_t bend_current;          /* 0: tears or cuts have changed the mesh since they were found */
-  uint32_t bend_faded;            /* 1: the angle of some counts less, for triangles pressed together */
+  uint8_t bend_current;            /* 0: tears or cuts have changed the mesh since they were found */
+  uint8_t bend_faded;              /* 1: the angle of some counts less, for triangles pressed together */
+  uint8_t constraints_missed;      /* 1: in this substep some had no room */
   int32_t *inverse_mass;           /* of a vertex: Q24 of 1 / particle mass */
   elastic_position *positions;     /* of a vertex */
   int32_t *low_x, *low_y, *low_z;  /* of a vertex: its position below Q28, Q59 */
@@ -146,6 +147,7 @@ typedef struct {
     elastic_impulse *impulse;      /* of a vertex, in an elastic step */
     elastic_impulse *max_stress;   /* membrane_tear.c: bounds of the stress around a vertex */
   };
+  elastic_impulse *forced;           /* that of the forces of the step alone */
   elastic_impulse *external_impulse; /* that of loads and wind */
 #if FRAY_ENERGY
   metered_impulse *metered_impulses; /* membrane/step_meter.c, where the world is watched */
@@ -154,7 +156,6 @@ typedef struct {
   elastic_body *bodies;
   contact_constraint *constraints; /* of a substep */
   uint32_t constraint_count;
-    uint32_t constraints_missed; /* 1: in this substep some had no room */
   limited_edge *limited_edges; /* of a substep */
   uint32_t limited_edge_count;
   uint8_t *passing_blade;          /* vertex -> 1: all of its triangles pass a blade */

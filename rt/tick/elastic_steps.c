@@ -5,6 +5,7 @@
 #include "rt/contact/constraints.h"
 #include "rt/elastic/step_bodies.h"
 #include "rt/elastic/step_handles.h"
+#include "rt/elastic/step_passive.h"
 #include "rt/membrane/membrane.h"
 #include "rt/membrane/step_meter.h"
 #include "rt/self_collision/impact_zone_steps.h"
@@ -14,6 +15,7 @@
 void elastic_steps_run(fray_world *w, uint32_t substep) {
   step_view view = membrane_step_begin(w);
   FRAY_ASSERT(world_has_membrane(w) && substep < (uint32_t)w->params->substeps);
+  if (substep == 0) step_passive_begin(w);
   step_bodies_begin(w);
   edge_limits_find(w);
   contact_constraints_find(w);
@@ -23,6 +25,7 @@ void elastic_steps_run(fray_world *w, uint32_t substep) {
     step_bodies_pull(w, &step);
     if (world_has_handles(w))
       step_handles_pull(w, &step, (int32_t)substep * w->membrane.constants->steps + number);
+    step_passive_mark(w);
     step_meter_mark(w, 0);
     edge_limits_solve(w, &step);
     step_meter_mark(w, 1);

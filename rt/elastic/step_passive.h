@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Contact makes no energy, whatever the order of its constraints and whether or not they undo each other.
+ *
+ * An impulse J of a leapfrog step adds J (v- + v+) / 2 to the energy, with the velocity where it acts
+ * before the step's forces, v-, and behind all impulses, v+. With c half of what forces change of that and
+ * u = v - c, all impulses of a step add what the sum of m u^2 / 2 changes by. So each is booked when it is
+ * given: what takes energy pays into a budget, what needs some has as much as is left there. Stiff cloth
+ * that rings against a body pays in one tick and needs in another, so the budget is state; a sixteenth of it
+ * is lost each tick, lest what was taken long ago comes back at once. */
+#ifndef FRAY_ELASTIC_STEP_PASSIVE_H
+#define FRAY_ELASTIC_STEP_PASSIVE_H
+
+#include "rt/elastic/step_impulse.h"
+
+/* Before the first elastic step of a tick. */
+void step_passive_begin(fray_world *w);
+/* Behind the forces of a step. */
+void step_passive_mark(fray_world *w);
+
+/* c of a vertex or body, Q28 lu per substep; 0 for STEP_NO_BODY. */
+vec3 step_half_of(const fray_world *w, uint32_t p, const elastic_step *step);
+vec3 step_body_half_of(const fray_world *w, uint32_t b);
+
+/* The part of a change of u that the budget pays for, and books it; `mass` in Q16 of a particle's mass. */
+vec3 step_passive_change(fray_world *w, int32_t mass, vec3 u, vec3 change);
+
+#endif
