@@ -62,6 +62,7 @@ wants 2 "--ticks '0', expected a number from 1" "$FRAY" run "$image" --ticks 0
 wants 2 "--ticks 'many'" "$FRAY" run "$image" --ticks many
 wants 2 "--ticks, expected a value" "$FRAY" run "$image" --ticks
 wants 2 "expected a number from 0 to 7" "$FRAY" run "$image" --instance 8
+wants 2 "--at a second time, expected it once" "$FRAY" render "$image" --at 1 --at 2
 wants 2 "--frames '0', expected a number from 1 to 5000" "$FRAY" render "$image" --frames 0
 wants 2 "--frames 7, but the run has 5 ticks" "$FRAY" render "$image" --frames 7 --for 5ms
 wants 2 "--at, --every and --frames exclude each other" "$FRAY" render "$image" --frames 3 --every 10ms

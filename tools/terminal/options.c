@@ -81,14 +81,24 @@ int options_are_apart(const char *command, const option *table, uint32_t count, 
   return 1;
 }
 
+/* A value that is given again would be lost without a word. */
+static int is_first(const char *command, const option *o, uint32_t k, uint64_t *given) {
+  const int is_new = (*given >> k & 1u) == 0;
+  *given |= (uint64_t)1 << k;
+  if (is_new || o->flag != NULL) return 1;
+  fprintf(stderr, "fray %s: %s a second time, expected it once\n", command, o->name);
+  return 0;
+}
+
 options_result options_parse(int argc, char **argv, const option *table, uint32_t count,
                              const char **operand) {
+  uint64_t given = 0;
   for (int n = 1; n < argc; ++n) {
     if (strcmp(argv[n], "--help") == 0 || strcmp(argv[n], "-h") == 0) return OPTIONS_HELP;
     uint32_t k = 0;
     while (k < count && strcmp(argv[n], table[k].name) != 0) ++k;
     if (k < count) {
-      if (!take_option(argc, argv, &n, &table[k])) return OPTIONS_WRONG;
+      if (!is_first(argv[0], &table[k], k, &given) || !take_option(argc, argv, &n, &table[k])) return OPTIONS_WRONG;
     } else if (argv[n][0] != '-' && *operand == NULL) {
       *operand = argv[n];
     } else {

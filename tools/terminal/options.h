@@ -23,10 +23,10 @@ typedef struct {
 
 typedef enum { OPTIONS_GOOD, OPTIONS_HELP, OPTIONS_WRONG } options_result;
 
-/* argv[0] is the command. At most one word that is not an option goes to *operand, which is an input file. An
- * output that is one file with an input or another output is refused, and `-` and what standard
- * output is. On OPTIONS_WRONG a message is on
- * stderr; on OPTIONS_HELP the caller prints its usage. */
+/* argv[0] is the command. At most one word that is not an option goes to *operand, which is an input file. Of at
+ * most 64 options each that has a value is given once. An output that is one file with an input or another
+ * output is refused, and `-` and what standard output is. On OPTIONS_WRONG a message is on stderr; on
+ * OPTIONS_HELP the caller prints its usage. */
 options_result options_parse(int argc, char **argv, const option *table, uint32_t count,
                              const char **operand);
 
