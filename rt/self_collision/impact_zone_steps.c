@@ -3,9 +3,16 @@
  * their neighbours have gone: that stores k d^2 / 2 in the triangles between. So the tick is done
  * again with its vertices as one body: in each elastic step all of them get the mean velocity, or
  * that of the body that holds one. Of all motions that agree within the zone it is the nearest, by
- * masses; so it takes kinetic energy, and no frequency of the cloth rises by it (Rayleigh). */
+ * masses; so it takes kinetic energy, and no frequency of the cloth rises by it (Rayleigh).
+ *
+ * Leapfrog has its velocities half a step before and behind its positions, and forces that pull within a
+ * zone go on. With c half of what they change of a velocity in a step, vertices that leave a zone with its
+ * velocity would begin half a step late, at c within the zone, with an energy that nobody gave. So they leave
+ * at -c: what a zone takes in a tick is the kinetic energy within it when it begins. */
 #include "rt/self_collision/impact_zone_steps.h"
 
+#include "rt/elastic/step_passive.h"
+#include "rt/integrate/integrate.h"
 #include "rt/self_collision/impact_zones.h"
 #include "rt/state/vertex_mass.h"
 
@@ -32,12 +39,26 @@ static void find_bodies(fray_world *w) {
   }
 }
 
-/* Momentum of its vertices as seen from its body. */
-static void sum_momentum(fray_world *w, const elastic_step *step) {
+/* Of what zones have a mean. */
+typedef enum {
+  ZONE_VELOCITY, /* behind all impulses so far */
+  ZONE_FORCED    /* half of what the forces of a step change of it */
+} zone_quantity;
+
+static vec3 of_vertex(const fray_world *w, uint32_t p, const elastic_step *step, zone_quantity q) {
+  return q == ZONE_VELOCITY ? step_velocity(w, p, step) : step_half_of(w, p, step);
+}
+
+static vec3 of_body(const fray_world *w, uint32_t b, zone_quantity q) {
+  return q == ZONE_VELOCITY ? step_body_velocity(w, b) : step_body_half_of(w, b);
+}
+
+/* By masses, as seen from its body. */
+static void sum_vertices(fray_world *w, const elastic_step *step, zone_quantity q) {
   const vertex_mass_scale scale = vertex_mass_scale_of(w);
   for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
     self_zone *z = &w->self.zones[impact_zones_joined(w, p)];
-    const vec3 v = vec_sub_saturated(step_velocity(w, p, step), step_body_velocity(w, z->held));
+    const vec3 v = vec_sub_saturated(of_vertex(w, p, step, q), of_body(w, z->held, q));
     const int32_t mass = mass_of(&scale, p);
     z->whole += mass;
     z->sum[0] += fx_round64(fx_mul_wide(v.x, mass), MASS_BITS);
@@ -46,25 +67,42 @@ static void sum_momentum(fray_world *w, const elastic_step *step) {
   }
 }
 
-/* Momentum over mass, Q28 over Q16. */
-static int32_t speed_of(int64_t momentum, int64_t mass) {
-  const int64_t whole = momentum / mass;
-  const int64_t rest = momentum - whole * mass;
+/* Sum over mass, Q28 over Q16. */
+static int32_t mean_of(int64_t sum, int64_t mass) {
+  const int64_t whole = sum / mass;
+  const int64_t rest = sum - whole * mass;
   return fx_saturate(whole * (1 << MASS_BITS) + rest * (1 << MASS_BITS) / mass);
 }
 
-/* The velocity that it goes on with: with a free body that of their common mass. */
-static void find_mean(const fray_world *w, self_zone *z) {
+/* With a free body that of their common mass. */
+static void find_mean(const fray_world *w, self_zone *z, zone_quantity q) {
   enum { BODY_MASS_MAX_BITS = 46 };
-  const vec3 velocity = step_body_velocity(w, z->held);
-  const int32_t of_body[3] = {velocity.x, velocity.y, velocity.z};
+  const vec3 body = of_body(w, z->held, q);
+  const int32_t begin[3] = {body.x, body.y, body.z};
   const int32_t ratio = z->held == STEP_NO_BODY ? 0 : w->rigid.bodies[z->held].mass_ratio;
   int64_t mass = z->whole;
   if (ratio != 0) mass += ((int64_t)1 << BODY_MASS_MAX_BITS) / ratio;
   for (uint32_t k = 0; k < 3; ++k) {
-    const int32_t gained = z->held != STEP_NO_BODY && ratio == 0 ? 0 : speed_of(z->sum[k], mass);
-    z->mean[k] = fx_add_saturated(of_body[k], gained);
+    const int32_t gained = z->held != STEP_NO_BODY && ratio == 0 ? 0 : mean_of(z->sum[k], mass);
+    z->mean[k] = fx_add_saturated(begin[k], gained);
   }
+}
+
+static void find_means(fray_world *w, const elastic_step *step, zone_quantity q) {
+  find_bodies(w);
+  sum_vertices(w, step, q);
+  for (uint32_t p = 0; p < w->p.count; ++p)
+    if (w->self.zones[p].whole != 0) find_mean(w, &w->self.zones[p], q);
+}
+
+/* The zone that moves a vertex, or NULL. */
+static const self_zone *zone_of(fray_world *w, uint32_t p) {
+  const self_zone *z = &w->self.zones[impact_zones_joined(w, p)];
+  return z->members > 1 || z->held != STEP_NO_BODY ? z : NULL;
+}
+
+static int has_zones(const fray_world *w) {
+  return world_has_triangle_collision(w) && w->attempt.begin->joined_any != 0;
 }
 
 static int64_t impulse_of(int32_t change, int32_t inverse) {
@@ -82,14 +120,40 @@ static void push_vertex(fray_world *w, uint32_t p, const self_zone *z, const ela
   step_push_body(w, z->held, step_push(w, p, impulse));
 }
 
+void impact_zone_steps_begin(fray_world *w) {
+  uint32_t kept = 0;
+  limited_edge *edges = w->membrane.limited_edges;
+  if (!has_zones(w)) return;
+  for (uint32_t n = 0; n < w->membrane.limited_edge_count; ++n)
+    if (impact_zones_joined(w, edges[n].i) != impact_zones_joined(w, edges[n].j)) edges[kept++] = edges[n];
+  w->membrane.limited_edge_count = kept;
+}
+
 void impact_zone_steps_solve(fray_world *w, const elastic_step *step) {
-  if (!world_has_triangle_collision(w) || !w->attempt.begin->joined_any) return;
-  find_bodies(w);
-  sum_momentum(w, step);
-  for (uint32_t p = 0; p < w->p.count; ++p)
-    if (w->self.zones[p].whole != 0) find_mean(w, &w->self.zones[p]);
+  if (!has_zones(w)) return;
+  find_means(w, step, ZONE_VELOCITY);
   for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
-    const self_zone *z = &w->self.zones[impact_zones_joined(w, p)];
-    if (z->members > 1 || z->held != STEP_NO_BODY) push_vertex(w, p, z, step);
+    const self_zone *z = zone_of(w, p);
+    if (z != NULL) push_vertex(w, p, z, step);
+  }
+}
+
+void impact_zone_steps_end(fray_world *w) {
+  if (!has_zones(w)) return;
+  const int32_t steps = w->membrane.constants->steps;
+  const elastic_step last = {{step_part_of(w->gravity_step.x, steps - 1, steps),
+                              step_part_of(w->gravity_step.y, steps - 1, steps),
+                              step_part_of(w->gravity_step.z, steps - 1, steps)},
+                             0, 0};
+  const vertex_mass_scale scale = vertex_mass_scale_of(w);
+  find_means(w, &last, ZONE_FORCED);
+  for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
+    const self_zone *z = zone_of(w, p);
+    if (z == NULL) continue;
+    const vec3 change = vec_sub_saturated(vec_of(z->mean), step_half_of(w, p, &last));
+    world_set_velocity(w, p, vec_add_clamped(world_velocity(w, p), change, FX_SPEED_MAX));
+    if (z->held != STEP_NO_BODY)
+      body_add_impulse(&w->rigid.motion[z->held],
+                       vertex_mass_impulse(vertex_mass_at(&scale, p), change, 0));
   }
 }

@@ -5,7 +5,11 @@
 
 #include "rt/elastic/step_impulse.h"
 
+/* Behind edge_limits_find(): leaves out edges within a zone, since the zone would undo what these get. */
+void impact_zone_steps_begin(fray_world *w);
 /* Behind all other impulses of an elastic step: those that make each zone move as one. */
 void impact_zone_steps_solve(fray_world *w, const elastic_step *step);
+/* Behind the last elastic step of the tick. */
+void impact_zone_steps_end(fray_world *w);
 
 #endif

@@ -6,6 +6,7 @@
  * what is missed is for triangle_collision_solve(). */
 #include "rt/self_collision/self_constraints.h"
 
+#include "rt/self_collision/impact_zones.h"
 #include "rt/self_collision/self_collision.h"
 #include "rt/self_collision/triangle_collision.h"
 
@@ -71,12 +72,24 @@ void self_constraints_find(fray_world *w) {
 
 /* ---- solved ---- */
 
+static int is_within_zone(fray_world *w, const self_constraint *c) {
+  const uint32_t zone = impact_zones_joined(w, c->p[0]);
+  for (uint32_t n = 1; n < 4; ++n)
+    if (impact_zones_joined(w, c->p[n]) != zone) return 0;
+  return 1;
+}
+
 void self_constraints_begin(fray_world *w) {
+  uint32_t kept = 0;
   FRAY_ASSERT(w->attempt.begin->constraints <= SELF_CONSTRAINTS * w->capacity[POOL_PARTICLES]);
   for (uint32_t n = 0; n < w->attempt.begin->constraints; ++n) {
-    w->tri.constraints[n].gap = w->tri.constraints[n].gap_begin;
-    w->tri.constraints[n].low = 0;
+    self_constraint *c = &w->tri.constraints[n];
+    if (is_within_zone(w, c)) continue; /* for good: zones only grow in a tick */
+    c->gap = c->gap_begin;
+    c->low = 0;
+    w->tri.constraints[kept++] = *c;
   }
+  w->attempt.begin->constraints = kept;
 }
 
 static vec3 relative_velocity(const fray_world *w, const self_constraint *c,

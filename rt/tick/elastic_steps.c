@@ -18,6 +18,7 @@ void elastic_steps_run(fray_world *w, uint32_t substep) {
   if (substep == 0) step_passive_begin(w);
   step_bodies_begin(w);
   edge_limits_find(w);
+  impact_zone_steps_begin(w);
   contact_constraints_find(w);
   for (int32_t number = 0; number < w->membrane.constants->steps; ++number) {
     const elastic_step step = membrane_step_force(w, &view, substep, number);

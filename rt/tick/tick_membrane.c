@@ -7,6 +7,7 @@
 #include "rt/energy/energy.h"
 #include "rt/integrate/integrate.h"
 #include "rt/membrane/membrane.h"
+#include "rt/self_collision/impact_zone_steps.h"
 #include "rt/self_collision/self_collision.h"
 #include "rt/self_collision/self_constraints.h"
 #include "rt/tick/rollback.h"
@@ -27,6 +28,7 @@ static void run_substeps(fray_world *w) {
     if (substep + 1u == substeps) {
       particles_hold(w);
       energy_stage(w, FRAY_ENERGY_LIMITS);
+      impact_zone_steps_end(w);
       if (world_has_triangle_collision(w)) triangle_collision_solve(w);
       energy_stage(w, FRAY_ENERGY_SELF_COLLISION);
     }
