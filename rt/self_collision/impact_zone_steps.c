@@ -5,10 +5,10 @@
  * that of the body that holds one. Of all motions that agree within the zone it is the nearest, by
  * masses; so it takes kinetic energy, and no frequency of the cloth rises by it (Rayleigh).
  *
- * Leapfrog has its velocities half a step before and behind its positions, and forces that pull within a
- * zone go on. With c half of what they change of a velocity in a step, vertices that leave a zone with its
- * velocity would begin half a step late, at c within the zone, with an energy that nobody gave. So they leave
- * at -c: what a zone takes in a tick is the kinetic energy within it when it begins. */
+ * Leapfrog has velocities half a step from positions, and forces go on within a zone. With c half of
+ * what they change of a velocity in a step, vertices that left a zone with its velocity would be at c
+ * where the next step has its positions, with a kinetic energy that nobody gave. So they leave at -c,
+ * and what a zone takes in a tick is the kinetic energy within it when it begins. */
 #include "rt/self_collision/impact_zone_steps.h"
 
 #include "rt/elastic/step_passive.h"

@@ -9,7 +9,7 @@
 void impact_zone_steps_begin(fray_world *w);
 /* Behind all other impulses of an elastic step: those that make each zone move as one. */
 void impact_zone_steps_solve(fray_world *w, const elastic_step *step);
-/* Behind the last elastic step of the tick. */
+/* Behind the last elastic step of the tick: vertices leave their zones without kinetic energy within them. */
 void impact_zone_steps_end(fray_world *w);
 
 #endif
