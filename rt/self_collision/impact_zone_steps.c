@@ -7,12 +7,11 @@
  *
  * Leapfrog has velocities half a step from positions, and forces go on within a zone. With c half of
  * what they change of a velocity in a step, vertices that left a zone with its velocity would be at c
- * where the next step has its positions, with a kinetic energy that nobody gave. So they leave at -c,
- * and what a zone takes in a tick is the kinetic energy within it when it begins. */
+ * where the next step has its positions: a kinetic energy out of nothing. So they leave at -c, and what
+ * a zone takes in a tick is the kinetic energy within it when it begins. */
 #include "rt/self_collision/impact_zone_steps.h"
 
 #include "rt/elastic/step_passive.h"
-#include "rt/integrate/integrate.h"
 #include "rt/self_collision/impact_zones.h"
 #include "rt/state/vertex_mass.h"
 
@@ -110,14 +109,26 @@ static int64_t impulse_of(int32_t change, int32_t inverse) {
   return (int64_t)change * (1 << UP) / inverse;
 }
 
+static vec64 impulse_for(vec3 change, int32_t inverse) {
+  const vec64 impulse = {impulse_of(change.x, inverse), impulse_of(change.y, inverse),
+                         impulse_of(change.z, inverse)};
+  return impulse;
+}
+
 static void push_vertex(fray_world *w, uint32_t p, const self_zone *z, const elastic_step *step) {
   const vec3 velocity = step_velocity(w, p, step);
   const vec3 change = vec_sub_saturated(vec_of(z->mean), velocity);
   const int32_t inverse = w->membrane.inverse_mass[p];
   if (vec_span(change) == 0 || inverse == 0) return;
-  const vec64 impulse = {impulse_of(change.x, inverse), impulse_of(change.y, inverse),
-                         impulse_of(change.z, inverse)};
-  step_push_body(w, z->held, step_push(w, p, impulse));
+  step_push_body(w, z->held, step_push(w, p, impulse_for(change, inverse)));
+}
+
+static void release_vertex(fray_world *w, uint32_t p, const self_zone *z, const elastic_step *last) {
+  const vec3 change = vec_sub_saturated(vec_of(z->mean), step_half_of(w, p, last));
+  const int32_t inverse = w->membrane.inverse_mass[p];
+  if (inverse == 0) return;
+  world_set_velocity(w, p, vec_add_clamped(world_velocity(w, p), change, FX_SPEED_MAX));
+  step_push_body(w, z->held, impulse_for(change, inverse));
 }
 
 void impact_zone_steps_begin(fray_world *w) {
@@ -145,15 +156,9 @@ void impact_zone_steps_end(fray_world *w) {
                               step_part_of(w->gravity_step.y, steps - 1, steps),
                               step_part_of(w->gravity_step.z, steps - 1, steps)},
                              0, 0};
-  const vertex_mass_scale scale = vertex_mass_scale_of(w);
   find_means(w, &last, ZONE_FORCED);
   for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
     const self_zone *z = zone_of(w, p);
-    if (z == NULL) continue;
-    const vec3 change = vec_sub_saturated(vec_of(z->mean), step_half_of(w, p, &last));
-    world_set_velocity(w, p, vec_add_clamped(world_velocity(w, p), change, FX_SPEED_MAX));
-    if (z->held != STEP_NO_BODY)
-      body_add_impulse(&w->rigid.motion[z->held],
-                       vertex_mass_impulse(vertex_mass_at(&scale, p), change, 0));
+    if (z != NULL) release_vertex(w, p, z, &last);
   }
 }
