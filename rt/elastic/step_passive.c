@@ -83,7 +83,7 @@ vec3 step_passive_change(fray_world *w, int32_t mass, vec3 u, vec3 change) {
   const int64_t budget = budget_of(w);
   vec3 paid = change;
   FRAY_ASSERT(mass >= 0);
-  if (mass == 0) return change;
+  if (mass == 0 || vec_span(change) == 0) return change;
   int64_t cost = cost_of(mass, u, change);
   if (cost > budget) {
     paid = paid_change(budget, mass, u, change);
