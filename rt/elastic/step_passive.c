@@ -63,7 +63,7 @@ static int64_t cost_of(int32_t mass, vec3 u, vec3 change) {
 
 static uint64_t square_paid(int64_t budget, int32_t mass) {
   const uint64_t most = (uint64_t)1 << 62;
-  const wide_number wide = {budget >> BUDGET_BITS, (uint64_t)budget << (64 - BUDGET_BITS)};
+  const wide_number wide = {budget >> BUDGET_BITS, (uint64_t)(budget & INT32_MAX) << (64 - BUDGET_BITS)};
   const wide_number square = wide_over(wide, (uint32_t)mass);
   return square.whole != 0 || square.part > most ? most : square.part;
 }
