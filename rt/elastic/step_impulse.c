@@ -44,15 +44,20 @@ vec3 step_body_velocity(const fray_world *w, uint32_t b) {
   return b == STEP_NO_BODY ? vec_make(0, 0, 0) : vec_of(w->rigid.states[b].velocity);
 }
 
-vec3 step_velocity(const fray_world *w, uint32_t p, const elastic_step *step) {
+vec64 step_gained(const fray_world *w, uint32_t p, const elastic_impulse *sum, const elastic_step *step) {
   enum { DOWN = ELASTIC_IMPULSE_BITS + ELASTIC_INVERSE_BITS - FX_VELOCITY_BITS };
   FRAY_ASSERT(p < w->p.count);
-  if (particle_is_attached(w, p)) return step_body_velocity(w, w->p.attach_body[p]);
-  const elastic_impulse *sum = &w->membrane.impulse[p];
   const int32_t inverse = w->membrane.inverse_mass[p];
-  const vec64 v = {w->p.vx[p] + fx_round64(fx_mul_wide(sum->x, inverse), DOWN) + step->gravity[0],
-                   w->p.vy[p] + fx_round64(fx_mul_wide(sum->y, inverse), DOWN) + step->gravity[1],
-                   w->p.vz[p] + fx_round64(fx_mul_wide(sum->z, inverse), DOWN) + step->gravity[2]};
+  const vec64 gained = {fx_round64(fx_mul_wide(sum->x, inverse), DOWN) + step->gravity[0],
+                        fx_round64(fx_mul_wide(sum->y, inverse), DOWN) + step->gravity[1],
+                        fx_round64(fx_mul_wide(sum->z, inverse), DOWN) + step->gravity[2]};
+  return gained;
+}
+
+vec3 step_velocity(const fray_world *w, uint32_t p, const elastic_step *step) {
+  if (particle_is_attached(w, p)) return step_body_velocity(w, w->p.attach_body[p]);
+  const vec64 gained = step_gained(w, p, &w->membrane.impulse[p], step);
+  const vec64 v = {w->p.vx[p] + gained.x, w->p.vy[p] + gained.y, w->p.vz[p] + gained.z};
   return vec_clamp64(v, INT32_MAX);
 }
 

@@ -40,6 +40,8 @@ int32_t step_mass_of(uint64_t k);
 
 /* Velocity of a body, or 0 for STEP_NO_BODY. */
 vec3 step_body_velocity(const fray_world *w, uint32_t b);
+/* What a sum of impulses and gravity change of the velocity of a vertex that is not attached, Q28. */
+vec64 step_gained(const fray_world *w, uint32_t p, const elastic_impulse *sum, const elastic_step *step);
 /* The velocity that the impulses so far lead to, Q28. */
 vec3 step_velocity(const fray_world *w, uint32_t p, const elastic_step *step);
 /* An impulse, Q26, on a vertex, or on the body that holds it. Returns what it took: sums saturate.

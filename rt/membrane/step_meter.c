@@ -50,12 +50,12 @@ static const fray_energy_stage marked_stage[STEP_MARKS] = {FRAY_ENERGY_LIMITS, F
 static void meter_stages(fray_world *w, const step_view *k, uint32_t p, uint32_t n, const metered_axis *a) {
   const metered_impulse *m = &w->membrane.metered_impulses[p];
   const int32_t end = axis_of(&w->membrane.impulse[p], n);
-  const int32_t forced = axis_of(&m->sum[0], n);
+  const int32_t forced = axis_of(&w->membrane.forced[p], n);
   const int64_t twice_before = /* 2 u, before any impulse */
       2 * (a->behind - change_of(k, p, end)) + k->gravity[n] - change_of(k, p, forced);
   int32_t before = forced;
   for (uint32_t mark = 1; mark <= STEP_MARKS; ++mark) {
-    const int32_t behind = mark < STEP_MARKS ? axis_of(&m->sum[mark], n) : end;
+    const int32_t behind = mark < STEP_MARKS ? axis_of(&m->sum[mark - 1u], n) : end;
     const int64_t part = (int64_t)behind - before;
     if (part != 0)
       add_row(w, &w->energy.stage[marked_stage[mark - 1u]],
@@ -102,8 +102,9 @@ void step_meter_mark_add(fray_world *w, uint32_t mark) {
   FRAY_ASSERT(mark <= STEP_MARKS && world_has_membrane(w));
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
     meter_body(w, b, mark);
-  for (uint32_t p = 0; p < w->p.count && mark < STEP_MARKS; ++p)
-    w->membrane.metered_impulses[p].sum[mark] = w->membrane.impulse[p];
+  if (mark == 0 || mark == STEP_MARKS) return; /* those sums are membrane.forced and membrane.impulse */
+  for (uint32_t p = 0; p < w->p.count; ++p)
+    w->membrane.metered_impulses[p].sum[mark - 1u] = w->membrane.impulse[p];
 }
 
 static void meter_vertex(fray_world *w, const step_view *k, uint32_t p) {

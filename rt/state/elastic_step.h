@@ -18,13 +18,13 @@ typedef struct {
   int32_t x, y, z, padding;
 } elastic_impulse;
 
-/* Of a watched world's vertex: that sum behind its forces, behind limits of edges, and behind contact. */
+/* Of a watched world's vertex: that sum behind limits of edges, and behind contact. */
 enum { STEP_MARKS = 3 };
 typedef struct {
-  elastic_impulse sum[STEP_MARKS];
+  elastic_impulse sum[STEP_MARKS - 1];
 } metered_impulse;
 
-/* Of its body, behind the last of these: its impulse on the cloth, its speed, and what forces changed of
+/* Of its body, behind the last mark: its impulse on the cloth, its speed, and what forces changed of
  * that, Q44. */
 typedef struct {
   int64_t impulse[3];

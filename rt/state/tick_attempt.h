@@ -30,7 +30,7 @@ typedef struct {
   int32_t faults;
   int32_t gravity_phase[3];
   int32_t momentum_remainder[3];
-  int32_t contact_budget[2];
+  int32_t contact_tank[2];
   uint32_t joined_any, joined_new; /* there are zones before this attempt; it has found more */
   uint32_t constraints;            /* of self-contact */
 #if FRAY_ENERGY

@@ -96,8 +96,8 @@ typedef struct {
   X(momentum_remainder_x, -WORD_MAX, WORD_MAX) /* see above */ \
   X(momentum_remainder_y, -WORD_MAX, WORD_MAX) \
   X(momentum_remainder_z, -WORD_MAX, WORD_MAX) \
-  X(contact_budget_high, 0,         WORD_MAX) /* elastic/step_passive.h */ \
-  X(contact_budget_low, 0,          WORD_MAX) \
+  X(contact_tank_high,  0,          WORD_MAX) /* elastic/step_passive.h */ \
+  X(contact_tank_low,   0,          WORD_MAX) \
   X(tear_cooldown_0,    0,          MAX_TEAR_COOLDOWN)     /* ticks until that material may tear again */ \
   X(tear_cooldown_1,    0,          MAX_TEAR_COOLDOWN) \
   X(tear_cooldown_2,    0,          MAX_TEAR_COOLDOWN) \
@@ -109,7 +109,7 @@ typedef struct {
 typedef struct {
   int32_t triangles, allocated;
   int32_t momentum_remainder[3];
-  int32_t contact_budget[2];
+  int32_t contact_tank[2];
   int32_t tear_cooldown[MAX_MATERIALS];
 } trimesh_state;
 

@@ -35,7 +35,7 @@ void rollback_save(fray_world *w) {
   bytes_copy(a->begin->gravity_phase, w->state->gravity_phase, sizeof a->begin->gravity_phase);
   bytes_copy(a->begin->momentum_remainder, w->trimesh.state->momentum_remainder,
              sizeof a->begin->momentum_remainder);
-  bytes_copy(a->begin->contact_budget, w->trimesh.state->contact_budget, sizeof a->begin->contact_budget);
+  bytes_copy(a->begin->contact_tank, w->trimesh.state->contact_tank, sizeof a->begin->contact_tank);
   a->begin->faults = w->state->faults;
 #if FRAY_ENERGY
   a->begin->energy = w->energy;
@@ -57,7 +57,7 @@ void rollback_restore(fray_world *w) {
   bytes_copy(w->state->gravity_phase, a->begin->gravity_phase, sizeof a->begin->gravity_phase);
   bytes_copy(w->trimesh.state->momentum_remainder, a->begin->momentum_remainder,
              sizeof a->begin->momentum_remainder);
-  bytes_copy(w->trimesh.state->contact_budget, a->begin->contact_budget, sizeof a->begin->contact_budget);
+  bytes_copy(w->trimesh.state->contact_tank, a->begin->contact_tank, sizeof a->begin->contact_tank);
   w->state->faults = a->begin->faults | (w->state->faults & FAULTS_KEPT);
 #if FRAY_ENERGY
   w->energy = a->begin->energy;
