@@ -138,7 +138,7 @@ typedef enum { FRAY_READY = 1, FRAY_OPERATIONAL = 2, FRAY_SAFE = 3 } fray_state;
     "Cloth between bodies has no free place, or no correction kept it out of them.", \
     "Leave room for the cloth between bodies, and move them more slowly.") \
   X(FRAY_FAULT_MESH_QUERY_BUDGET, 10, "MeshQueryBudget", \
-    "More of a rigid mesh was near a path than one test may take; the particle or triangle kept its place.", \
+    "More of a mesh was near a path than a test may take; yarns kept their place, membranes pass the rest.", \
     "Use a coarser mesh, or move more slowly.") \
   X(FRAY_FAULT_TRIANGLES_FULL, 11, "TrianglesFull", \
     "No spare triangle is left: a membrane does not tear or is not cut there.", \

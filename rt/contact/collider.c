@@ -89,7 +89,8 @@ void collider_list_near(fray_world *w, const collider *t, const collider_box *s,
     if (count < max) near->face[count] = (uint16_t)b->face;
     ++count;
   }
-  near->count = n < end || count > max ? (uint32_t)COLLIDER_TOO_MANY : count;
+  near->has_more = n < end || count > max;
+  near->count = count > max ? max : count;
   w->work.mesh_boxes += visits;
 }
 
@@ -121,7 +122,9 @@ int collider_crosses(fray_world *w, const collider *t, const ccd_path *path) {
   const collider_box s = collider_box_of(path, 1, 0);
   if (collider_path_is_point(path)) return 0;
   collider_list_near(w, t, &s, RIGID_MESH_NEAR, &near);
-  return near.count == COLLIDER_TOO_MANY || collider_crosses_near(w, t, &near, path);
+  if (near.has_more && !world_has_membrane(w)) return 1;
+  if (near.has_more) world_fault(w, FRAY_FAULT_MESH_QUERY_BUDGET);
+  return collider_crosses_near(w, t, &near, path);
 }
 
 vec3 collider_pushed(vec3 at, vec3 out, int32_t depth) {
@@ -164,7 +167,10 @@ static void stop_vertex(fray_world *w, const collider *t, uint32_t p, vec3 was) 
 void collider_pin(fray_world *w, const collider *t, uint32_t p, const ccd_path *path) {
   const vec3 was = world_position(w, p);
   ++w->work.mesh_pins;
-  if (world_has_triangle_collision(w)) w->attempt.vertices[p].pinned_to = (uint8_t)t->body;
+  if (world_has_triangle_collision(w)) {
+    w->attempt.vertices[p].pinned = 1;
+    w->attempt.vertices[p].pinned_to = (uint8_t)t->body;
+  }
   collider_place(w, t, p, path->begin);
   if (world_has_membrane(w)) stop_vertex(w, t, p, was);
 }

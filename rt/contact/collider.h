@@ -12,8 +12,7 @@ enum {
   COLLIDER_DEPTH_MIN = 4,   /* depth that rounding leaves of a push */
   COLLIDER_SKIN_MIN = 1024, /* of cloth without thickness: it does not touch */
   COLLIDER_PLANE_MARGIN = 64, /* Q24 lu: more than the error of a normal over the world's width */
-  COLLIDER_SLIDE_MAX = 16 * FX_LU,
-  COLLIDER_TOO_MANY = RIGID_MESH_CLOSE + 1
+  COLLIDER_SLIDE_MAX = 16 * FX_LU
 };
 
 /* Bits of contact.side_mask: sides of the collider's box beyond which the whole path of a particle
@@ -30,9 +29,10 @@ typedef struct {
   vec3 start, now;       /* positions of the body */
 } collider;
 
-/* Triangles of a mesh near a path, at most COLLIDER_TOO_MANY - 1. */
+/* Triangles of a mesh near a path. */
 typedef struct {
   uint32_t count;
+  int has_more; /* than are listed */
   uint16_t face[RIGID_MESH_CLOSE];
 } collider_near;
 
@@ -106,12 +106,13 @@ static inline uint8_t collider_mask_of(const fray_world *w, const collider *t, u
   return collider_passes_vertex(w, t, p) ? (uint8_t)COLLIDER_SIDES : collider_sides(t, path, skin);
 }
 
-/* Lists the triangles of a mesh with boxes that overlap the span. count is COLLIDER_TOO_MANY if these are
- * more than `max`, or more than RIGID_MESH_VISITS boxes would be visited. */
+/* Lists the triangles of a mesh with boxes that overlap the span: as many as `max` and RIGID_MESH_VISITS
+ * boxes allow. */
 void collider_list_near(fray_world *w, const collider *t, const collider_box *s, uint32_t max,
                         collider_near *near);
 
-/* 1 if the path of a particle touches the mesh, or may; of listed triangles only. */
+/* 1 if the path of a particle touches the mesh, or may; of listed triangles only. Where a membrane is near
+ * more than are listed it passes the others, and a fault says so. */
 int collider_crosses(fray_world *w, const collider *t, const ccd_path *path);
 int collider_crosses_near(fray_world *w, const collider *t, const collider_near *near, const ccd_path *path);
 /* CCD of a particle's path and one triangle. */

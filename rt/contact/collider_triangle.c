@@ -12,7 +12,6 @@ int collider_triangle_begin(fray_world *w, const collider *t, int32_t margin, co
   q->span = collider_box_of(q->path, 3, margin);
   if (t->radius != 0) return 1; /* a sphere has one point, its centre */
   collider_list_near(w, t, &q->span, RIGID_MESH_CLOSE, &q->near);
-  if (q->near.count != COLLIDER_TOO_MANY) return 1;
-  world_fault(w, FRAY_FAULT_MESH_QUERY_BUDGET);
-  return 0;
+  if (q->near.has_more) world_fault(w, FRAY_FAULT_MESH_QUERY_BUDGET);
+  return 1;
 }

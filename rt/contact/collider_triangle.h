@@ -16,12 +16,16 @@ typedef struct {
 } collider_triangle_query;
 
 /* Given paths, own edges and skin: fills the rest, with a span `margin` wider than the paths. Returns 0,
- * and sets a fault, where a path is out of range or too much of the mesh is near. */
+ * and sets a fault, where a path is out of range; sets a fault where more of the mesh is near than is
+ * listed. */
 int collider_triangle_begin(fray_world *w, const collider *t, int32_t margin, collider_triangle_query *q);
 
-/* Takes one CCD test from the budget; 0 where it is used up. */
+/* Takes one CCD test from the budget; 0, and a fault, where it is used up. */
 static inline int collider_triangle_take_ccd(fray_world *w, collider_triangle_query *q) {
-  if (q->ccd_left == 0) return 0;
+  if (q->ccd_left == 0) {
+    world_fault(w, FRAY_FAULT_MESH_QUERY_BUDGET);
+    return 0;
+  }
   --q->ccd_left;
   ++w->work.mesh_ccd;
   return 1;

@@ -18,8 +18,7 @@ int32_t contact_effective_mass(const fray_world *w, uint32_t body, const uint32_
                                const int32_t weight[3]) {
   uint64_t k =
       body == CONSTRAINT_WORLD ? 0 : (uint64_t)(uint32_t)w->rigid.bodies[body].mass_ratio >> 6;
-  for (uint32_t n = 0; n < 3; ++n)
-    k += (fx_square(weight[n]) >> 6) * step_inverse_mass(w, vertex[n]) >> 24;
+  k += step_point_inverse_mass(w, vertex, weight, 3);
   return k == 0 ? 0 : step_mass_of(k);
 }
 
@@ -95,7 +94,6 @@ static void find_vertex(fray_world *w, const collider *t, uint32_t p, ccd_path p
   const collider_box span = collider_box_of(&path, 1, skin);
   collider_near near;
   collider_list_near(w, t, &span, RIGID_MESH_NEAR, &near);
-  if (near.count == COLLIDER_TOO_MANY) return;
   for (uint32_t round = 0; round < RIGID_MESH_ROUNDS; ++round) {
     const mesh_push push = mesh_push_first(w, t, &near, &path, skin);
     if (push.depth == 0) return;

@@ -12,10 +12,11 @@
  *   the rest    if that does not end, everything near the body is pinned: the paper's rigid group. A path
  *               that is not taken goes nowhere that the old one did not, so what stayed away still does.
  *
- * What exceeds a pool or budget is reported; it is pinned where constraints had room for all that they found
- * (constraints.h), else it passes. Attached vertices cannot be pinned: a free body that meets them is
- * stopped (contact_vertices.c); where they draw a triangle through something nevertheless, that is reported.
- * Triangles at a vertex that the body itself holds pass it freely. */
+ * What exceeds a pool is reported; it is pinned where constraints had room for all that they found
+ * (constraints.h), else it passes, as what is more than one query takes does. Attached vertices cannot be
+ * pinned: a free body that meets them is stopped (contact_vertices.c); where they draw a triangle through
+ * something nevertheless, that is reported. Triangles at a vertex that the body itself holds pass it
+ * freely. */
 #include "rt/contact/contact_triangles.h"
 
 #include "rt/contact/collider_triangle.h"
@@ -130,7 +131,7 @@ static int test_point(fray_world *w, const collider *t, contact_query *f, vec3 a
   const ccd_path point = {at, at};
   int32_t weight[3];
   ccd_contact c;
-  if (!collider_triangle_take_ccd(w, &f->q)) return 1;
+  if (!collider_triangle_take_ccd(w, &f->q)) return 0;
   if (!ccd_point_triangle(&point, f->q.path, f->q.skin, &c)) return 0;
   if (f->q.skin == 0) return 1;
   collider_triangle_weights(&c, weight);
@@ -146,7 +147,7 @@ static int test_edge(fray_world *w, const collider *t, contact_query *f, vec3 a,
     ccd_contact c;
     if ((f->q.own_edges >> k & 1u) == 0) continue;
     if (f->q.skin == 0 && collider_path_is_point(&edge[0]) && collider_path_is_point(&edge[1])) continue;
-    if (!collider_triangle_take_ccd(w, &f->q)) return 1;
+    if (!collider_triangle_take_ccd(w, &f->q)) return 0;
     if (!ccd_edges(mesh_edge, edge, f->q.skin, &c)) continue;
     if (f->q.skin == 0) return 1;
     collider_triangle_edge_weights(k, c.weight[1], weight);

@@ -58,7 +58,7 @@ __attribute__((noinline)) static void push_particle(fray_world *w, const collide
   mesh_push last;
   const collider_box span = collider_box_of(&path, 1, collider_skin(w));
   collider_list_near(w, t, &span, RIGID_MESH_NEAR, &near);
-  if (near.count == COLLIDER_TOO_MANY) {
+  if (near.has_more) {
     world_fault(w, FRAY_FAULT_MESH_QUERY_BUDGET);
     collider_pin(w, t, p, &unpushed);
     return;

@@ -24,8 +24,31 @@ int32_t step_rise_of(const fray_world *w) {
 }
 
 uint32_t step_inverse_mass(const fray_world *w, uint32_t p) {
-  if (!particle_is_attached(w, p)) return (uint32_t)w->membrane.inverse_mass[p];
-  return (uint32_t)w->rigid.bodies[w->p.attach_body[p]].mass_ratio >> 6;
+  const uint32_t body = step_body_of(w, p);
+  const self_zone *z = step_zone_of(w, p);
+  if (body != STEP_NO_BODY) return (uint32_t)w->rigid.bodies[body].mass_ratio >> 6;
+  return z != NULL ? z->inverse_mass : (uint32_t)w->membrane.inverse_mass[p];
+}
+
+static int move_as_one(const fray_world *w, uint32_t p, uint32_t q) {
+  const uint32_t body = step_body_of(w, p);
+  if (body != STEP_NO_BODY) return body == step_body_of(w, q);
+  return step_zone_of(w, p) != NULL && step_zone_of(w, p) == step_zone_of(w, q);
+}
+
+uint64_t step_point_inverse_mass(const fray_world *w, const uint32_t *vertex, const int32_t *weight,
+                                 uint32_t count) {
+  uint64_t k = 0;
+  for (uint32_t n = 0; n < count; ++n) {
+    int32_t whole = weight[n];
+    uint32_t before = 0;
+    while (before < n && !move_as_one(w, vertex[before], vertex[n])) ++before;
+    if (before != n) continue;
+    for (uint32_t m = n + 1u; m < count; ++m)
+      if (move_as_one(w, vertex[n], vertex[m])) whole += weight[m];
+    k += (fx_square(whole) >> 6) * step_inverse_mass(w, vertex[n]) >> 24;
+  }
+  return k;
 }
 
 int32_t step_mass_of(uint64_t k) {
@@ -54,11 +77,17 @@ vec64 step_gained(const fray_world *w, uint32_t p, const elastic_impulse *sum, c
   return gained;
 }
 
-vec3 step_velocity(const fray_world *w, uint32_t p, const elastic_step *step) {
-  if (particle_is_attached(w, p)) return step_body_velocity(w, w->p.attach_body[p]);
+vec3 step_vertex_velocity(const fray_world *w, uint32_t p, const elastic_step *step) {
   const vec64 gained = step_gained(w, p, &w->membrane.impulse[p], step);
   const vec64 v = {w->p.vx[p] + gained.x, w->p.vy[p] + gained.y, w->p.vz[p] + gained.z};
   return vec_clamp64(v, INT32_MAX);
+}
+
+vec3 step_velocity(const fray_world *w, uint32_t p, const elastic_step *step) {
+  const uint32_t body = step_body_of(w, p);
+  const self_zone *z = step_zone_of(w, p);
+  if (body != STEP_NO_BODY) return step_body_velocity(w, body);
+  return z != NULL ? vec_of(z->mean) : step_vertex_velocity(w, p, step);
 }
 
 void step_push_body(fray_world *w, uint32_t b, vec64 impulse) {
@@ -74,17 +103,31 @@ static int64_t add_part(int32_t *sum, int64_t impulse) {
   return (int64_t)*sum - before;
 }
 
-vec64 step_push(fray_world *w, uint32_t p, vec64 impulse) {
-  FRAY_ASSERT(p < w->p.count);
-  if (particle_is_attached(w, p)) {
-    const vec64 back = {-impulse.x, -impulse.y, -impulse.z};
-    step_push_body(w, w->p.attach_body[p], back);
-    return impulse;
-  }
+vec64 step_push_vertex(fray_world *w, uint32_t p, vec64 impulse) {
+  FRAY_ASSERT(p < w->p.count && !particle_is_attached(w, p));
   elastic_impulse *sum = &w->membrane.impulse[p];
   const vec64 taken = {add_part(&sum->x, impulse.x), add_part(&sum->y, impulse.y),
                        add_part(&sum->z, impulse.z)};
   return taken;
+}
+
+static void push_zone(self_zone *z, vec64 impulse) {
+  enum { UP = FX_VELOCITY_BITS - ELASTIC_IMPULSE_BITS + STEP_MASS_BITS };
+  const int64_t by[3] = {impulse.x, impulse.y, impulse.z};
+  FRAY_ASSERT(z->whole > 0);
+  for (uint32_t n = 0; n < 3; ++n) z->mean[n] = fx_saturate(z->mean[n] + by[n] * (1 << UP) / z->whole);
+}
+
+vec64 step_push(fray_world *w, uint32_t p, vec64 impulse) {
+  const uint32_t body = step_body_of(w, p);
+  self_zone *z = step_zone_of(w, p);
+  if (body == STEP_NO_BODY && z == NULL) return step_push_vertex(w, p, impulse);
+  const vec64 back = {-impulse.x, -impulse.y, -impulse.z};
+  if (body != STEP_NO_BODY)
+    step_push_body(w, body, back);
+  else
+    push_zone(z, impulse);
+  return impulse;
 }
 
 vec3 step_contact_change(vec3 velocity, vec3 normal, int32_t least, int32_t friction) {

@@ -4,7 +4,7 @@
 #ifndef FRAY_ELASTIC_STEP_IMPULSE_H
 #define FRAY_ELASTIC_STEP_IMPULSE_H
 
-#include "rt/state/world.h"
+#include "rt/elastic/step_zone.h"
 
 /* What an elastic step is, to a constraint. */
 typedef struct {
@@ -15,8 +15,7 @@ typedef struct {
 
 enum {
   STEP_MASS_BITS = 16,
-  STEP_RISE_UM_S = 20000, /* how fast what is beyond a limit already comes back */
-  STEP_NO_BODY = 0xFFFF
+  STEP_RISE_UM_S = 20000 /* how fast what is beyond a limit already comes back */
 };
 
 /* Part n of a whole that is divided into so many parts: floors, which add up to the whole. */
@@ -32,9 +31,11 @@ static inline int32_t step_speed_min(int32_t gap, int32_t steps, int32_t rise) {
   return (int32_t)fx_clamp64(-(int64_t)gap * steps, -INT32_MAX, rise);
 }
 
-/* Inverse mass of a vertex, Q24 of 1 / particle mass; an attached one has its body's. 0: nothing
- * moves it. */
+/* Inverse mass of a vertex, Q24 of 1 / particle mass, or of what moves it. 0: nothing does. */
 uint32_t step_inverse_mass(const fray_world *w, uint32_t p);
+/* The same of a point between vertices, by weights in Q15 that may have signs. */
+uint64_t step_point_inverse_mass(const fray_world *w, const uint32_t *vertex, const int32_t *weight,
+                                 uint32_t count);
 /* 1 / K in Q16 of a particle's mass, for a K in Q24 that is not 0. */
 int32_t step_mass_of(uint64_t k);
 
@@ -42,10 +43,12 @@ int32_t step_mass_of(uint64_t k);
 vec3 step_body_velocity(const fray_world *w, uint32_t b);
 /* What a sum of impulses and gravity change of the velocity of a vertex that is not attached, Q28. */
 vec64 step_gained(const fray_world *w, uint32_t p, const elastic_impulse *sum, const elastic_step *step);
-/* The velocity that the impulses so far lead to, Q28. */
+/* The velocity that the impulses so far lead to, Q28: of a vertex that moves itself, of what moves one. */
+vec3 step_vertex_velocity(const fray_world *w, uint32_t p, const elastic_step *step);
 vec3 step_velocity(const fray_world *w, uint32_t p, const elastic_step *step);
-/* An impulse, Q26, on a vertex, or on the body that holds it. Returns what it took: sums saturate.
- */
+/* An impulse, Q26, on a vertex that moves itself, and on what moves one. Returns what it took: sums
+ * saturate. */
+vec64 step_push_vertex(fray_world *w, uint32_t p, vec64 impulse);
 vec64 step_push(fray_world *w, uint32_t p, vec64 impulse);
 /* A body gives the cloth an impulse, Q26; a free one feels it at once. */
 void step_push_body(fray_world *w, uint32_t b, vec64 impulse);

@@ -37,10 +37,22 @@ vec3 step_body_half_of(const fray_world *w, uint32_t b) {
   return b == STEP_NO_BODY ? vec_make(0, 0, 0) : vec_of(w->membrane.bodies[b].half);
 }
 
-vec3 step_half_of(const fray_world *w, uint32_t p, const elastic_step *step) {
-  if (particle_is_attached(w, p)) return step_body_half_of(w, w->p.attach_body[p]);
+vec3 step_vertex_half_of(const fray_world *w, uint32_t p, const elastic_step *step) {
   const vec64 gained = step_gained(w, p, &w->membrane.forced[p], step);
   return vec_make(fx_saturate(gained.x / 2), fx_saturate(gained.y / 2), fx_saturate(gained.z / 2));
+}
+
+vec3 step_half_of(const fray_world *w, uint32_t p, const elastic_step *step) {
+  const uint32_t body = step_body_of(w, p);
+  const self_zone *z = step_zone_of(w, p);
+  if (body != STEP_NO_BODY) return step_body_half_of(w, body);
+  return z != NULL ? vec_of(z->half) : step_vertex_half_of(w, p, step);
+}
+
+int32_t step_passive_speed(int32_t wanted, int32_t speed, int32_t half) {
+  const int64_t u = (int64_t)speed - half;
+  const int64_t most = u < 0 ? -u : u;
+  return fx_saturate(fx_clamp64(wanted, half - most, half + most));
 }
 
 /* Rounded up. */

@@ -17,10 +17,13 @@ void step_passive_begin(fray_world *w);
 /* Behind the forces of a step. */
 void step_passive_mark(fray_world *w);
 
-/* c of a vertex or body, Q28 lu per substep; 0 for STEP_NO_BODY. */
+/* c, Q28 lu per substep: of a vertex that moves itself, of what moves one, of a body; 0 for STEP_NO_BODY. */
+vec3 step_vertex_half_of(const fray_world *w, uint32_t p, const elastic_step *step);
 vec3 step_half_of(const fray_world *w, uint32_t p, const elastic_step *step);
 vec3 step_body_half_of(const fray_world *w, uint32_t b);
 
+/* Along a line: the speed nearest to `wanted` that leaves |u| no larger, from `speed`, with `half` of c. */
+int32_t step_passive_speed(int32_t wanted, int32_t speed, int32_t half);
 /* The part of a change of u that the tank pays for, and books it; `mass` in Q16 of a particle's mass. */
 vec3 step_passive_change(fray_world *w, int32_t mass, vec3 u, vec3 change);
 

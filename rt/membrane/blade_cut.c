@@ -153,12 +153,6 @@ static vec3 travel_at(const blade_query *f, const int32_t weight[3]) {
 }
 
 /* A query that would exceed the budget is a fault. */
-static int take_ccd(fray_world *w, blade_query *f) {
-  if (collider_triangle_take_ccd(w, &f->q)) return 1;
-  world_fault(w, FRAY_FAULT_MESH_QUERY_BUDGET);
-  return 0;
-}
-
 /* Keeps a hit that is earlier and fast enough. */
 static void keep_first(const blade_query *f, uint32_t corner, const ccd_contact *c, const int32_t weight[3],
                        vec3 edge, blade_hit *first) {
@@ -177,7 +171,7 @@ static void keep_first(const blade_query *f, uint32_t corner, const ccd_contact 
 static void test_point(fray_world *w, blade_query *f, vec3 at, blade_hit *first) {
   const ccd_path point = {at, at};
   ccd_contact c;
-  if (!take_ccd(w, f) || !ccd_point_triangle(&point, f->q.path, f->q.skin, &c)) return;
+  if (!collider_triangle_take_ccd(w, &f->q) || !ccd_point_triangle(&point, f->q.path, f->q.skin, &c)) return;
   int32_t weight[3];
   collider_triangle_weights(&c, weight);
   keep_first(f, 3, &c, weight, vec_make(0, 0, 0), first);
@@ -188,7 +182,8 @@ static void test_edge(fray_world *w, blade_query *f, vec3 a, vec3 b, blade_hit *
   for (uint32_t k = 0; k < 3; ++k) {
     const ccd_path edge[2] = {f->q.path[k], f->q.path[trimesh_next(k)]};
     ccd_contact c;
-    if ((f->q.own_edges >> k & 1u) == 0 || !take_ccd(w, f) || !ccd_edges(blade_edge, edge, f->q.skin, &c))
+    if ((f->q.own_edges >> k & 1u) == 0 || !collider_triangle_take_ccd(w, &f->q) ||
+        !ccd_edges(blade_edge, edge, f->q.skin, &c))
       continue;
     int32_t weight[3];
     collider_triangle_edge_weights(k, c.weight[1], weight);

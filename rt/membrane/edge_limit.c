@@ -78,13 +78,6 @@ static int is_clear(uint64_t squared, vec3 velocity, int64_t longest, int64_t ra
   return vec_squared(velocity) < (uint64_t)(slow * slow) && squared < (uint64_t)(near * near);
 }
 
-/* The nearest that leaves |u| no larger. */
-static int32_t passive(int32_t wanted, int32_t separating, int32_t half) {
-  const int64_t u = (int64_t)separating - half;
-  const int64_t most = u < 0 ? -u : u;
-  return fx_saturate(fx_clamp64(wanted, half - most, half + most));
-}
-
 static void solve_edge(fray_world *w, const limited_edge *e, const elastic_step *step) {
   const vec3 d = edge_now(w, e);
   const uint64_t k = (uint64_t)step_inverse_mass(w, e->i) + step_inverse_mass(w, e->j);
@@ -103,7 +96,8 @@ static void solve_edge(fray_world *w, const limited_edge *e, const elastic_step 
   const int32_t by_room = -step_speed_min(room, w->membrane.constants->steps, step->rise);
   const vec3 halves = vec_sub_saturated(step_half_of(w, e->j, step), step_half_of(w, e->i, step));
   const int32_t half = vec_dot_unit(halves, unit);
-  const int32_t wanted = passive(fx_max(-rate, fx_min(separating, fx_min(by_room, rate))), separating, half);
+  const int32_t fitting = fx_max(-rate, fx_min(separating, fx_min(by_room, rate)));
+  const int32_t wanted = step_passive_speed(fitting, separating, half);
   if (wanted == separating) return;
   const int32_t mass = step_mass_of(k);
   const vec3 change = vec_scale_unit(unit, fx_saturate((int64_t)wanted - separating));

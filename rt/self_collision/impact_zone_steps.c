@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A zone that is put together behind the elastic steps takes its vertices back along paths that
  * their neighbours have gone: that stores k d^2 / 2 in the triangles between. So the tick is done
- * again with its vertices as one body: in each elastic step all of them get the mean velocity, or
- * that of the body that holds one. Of all motions that agree within the zone it is the nearest, by
- * masses; so it takes kinetic energy, and no frequency of the cloth rises by it (Rayleigh).
+ * again with its vertices as one: in each elastic step they have the mean velocity, or that of the
+ * body that holds one. Of all motions that agree within the zone it is the nearest, by masses; so
+ * it takes kinetic energy, and no frequency of the cloth rises by it (Rayleigh). What acts on one of
+ * them in a step acts on the zone and its mass (elastic/step_zone.h).
  *
  * Leapfrog has velocities half a step from positions, and forces go on within a zone. With c half of
- * what they change of a velocity in a step, vertices that left a zone with its velocity would be at c
- * where the next step has its positions: a kinetic energy out of nothing. So they leave at -c, and what
- * a zone takes in a tick is the kinetic energy within it when it begins. */
+ * what they change of a velocity in a step, v + c is the velocity where a tick ends. What acts there,
+ * behind the elastic steps, sees that one; and a zone leaves its vertices alike in v + c, not in v,
+ * which would be a kinetic energy out of nothing. */
 #include "rt/self_collision/impact_zone_steps.h"
 
 #include "rt/elastic/step_passive.h"
@@ -17,26 +18,54 @@
 
 enum { MASS_MAX = 1 << 24, MASS_BITS = VERTEX_MASS_BITS };
 
+static int has_zones(const fray_world *w) {
+  return world_has_triangle_collision(w) && w->attempt.begin->has_zones != 0;
+}
+
 static int32_t mass_of(const vertex_mass_scale *scale, uint32_t p) {
   return fx_clamp(vertex_mass_at(scale, p), 1, MASS_MAX);
 }
 
-static uint32_t body_of(const fray_world *w, uint32_t p) {
-  if (particle_is_attached(w, p)) return w->p.attach_body[p];
-  return w->attempt.vertices[p].joined_body == 0 ? STEP_NO_BODY
-                                                 : w->attempt.vertices[p].joined_body - 1u;
+/* ---- zones of an attempt ---- */
+
+static void find_members(fray_world *w, const vertex_mass_scale *scale, uint32_t p) {
+  attempt_vertex *v = &w->attempt.vertices[p];
+  v->joined = (index_t)impact_zones_joined(w, p);
+  self_zone *z = &w->self.zones[v->joined];
+  ++z->members;
+  if (!particle_is_attached(w, p)) z->whole += mass_of(scale, p);
+  if (z->held != STEP_NO_BODY) return;
+  if (particle_is_attached(w, p))
+    z->held = w->p.attach_body[p];
+  else if (v->joined_body != 0)
+    z->held = v->joined_body - 1u;
 }
 
-static void find_bodies(fray_world *w) {
-  static const self_zone empty = {{0, 0, 0}, 0, {0, 0, 0}, 0, 0, STEP_NO_BODY};
+void impact_zone_steps_begin(fray_world *w) {
+  static const self_zone empty = {{0, 0, 0}, 0, {0, 0, 0}, {0, 0, 0}, 0, 0, 0, STEP_NO_BODY};
+  const vertex_mass_scale scale = vertex_mass_scale_of(w);
+  FRAY_ASSERT(world_has_triangle_collision(w));
+  w->attempt.begin->has_zones = w->attempt.begin->joined_any;
+  if (w->attempt.begin->has_zones == 0) return;
   for (uint32_t p = 0; p < w->p.count; ++p) w->self.zones[p] = empty;
+  for (uint32_t p = 0; p < w->p.count; ++p) find_members(w, &scale, p);
   for (uint32_t p = 0; p < w->p.count; ++p) {
-    self_zone *z = &w->self.zones[impact_zones_joined(w, p)];
-    const uint32_t body = body_of(w, p);
-    ++z->members;
-    if (z->held == STEP_NO_BODY) z->held = body;
+    self_zone *z = &w->self.zones[p];
+    if (z->whole != 0) z->inverse_mass = (uint32_t)(((int64_t)1 << 40) / z->whole);
   }
 }
+
+void impact_zone_steps_leave_edges(fray_world *w) {
+  uint32_t kept = 0;
+  limited_edge *edges = w->membrane.limited_edges;
+  if (!has_zones(w)) return;
+  for (uint32_t n = 0; n < w->membrane.limited_edge_count; ++n)
+    if (w->attempt.vertices[edges[n].i].joined != w->attempt.vertices[edges[n].j].joined)
+      edges[kept++] = edges[n];
+  w->membrane.limited_edge_count = kept;
+}
+
+/* ---- means ---- */
 
 /* Of what zones have a mean. */
 typedef enum {
@@ -45,7 +74,7 @@ typedef enum {
 } zone_quantity;
 
 static vec3 of_vertex(const fray_world *w, uint32_t p, const elastic_step *step, zone_quantity q) {
-  return q == ZONE_VELOCITY ? step_velocity(w, p, step) : step_half_of(w, p, step);
+  return q == ZONE_VELOCITY ? step_vertex_velocity(w, p, step) : step_vertex_half_of(w, p, step);
 }
 
 static vec3 of_body(const fray_world *w, uint32_t b, zone_quantity q) {
@@ -55,11 +84,12 @@ static vec3 of_body(const fray_world *w, uint32_t b, zone_quantity q) {
 /* By masses, as seen from its body. */
 static void sum_vertices(fray_world *w, const elastic_step *step, zone_quantity q) {
   const vertex_mass_scale scale = vertex_mass_scale_of(w);
+  for (uint32_t p = 0; p < w->p.count; ++p)
+    w->self.zones[p].sum[0] = w->self.zones[p].sum[1] = w->self.zones[p].sum[2] = 0;
   for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
-    self_zone *z = &w->self.zones[impact_zones_joined(w, p)];
+    self_zone *z = &w->self.zones[w->attempt.vertices[p].joined];
     const vec3 v = vec_sub_saturated(of_vertex(w, p, step, q), of_body(w, z->held, q));
     const int32_t mass = mass_of(&scale, p);
-    z->whole += mass;
     z->sum[0] += fx_round64(fx_mul_wide(v.x, mass), MASS_BITS);
     z->sum[1] += fx_round64(fx_mul_wide(v.y, mass), MASS_BITS);
     z->sum[2] += fx_round64(fx_mul_wide(v.z, mass), MASS_BITS);
@@ -79,30 +109,30 @@ static void find_mean(const fray_world *w, self_zone *z, zone_quantity q) {
   const vec3 body = of_body(w, z->held, q);
   const int32_t begin[3] = {body.x, body.y, body.z};
   const int32_t ratio = z->held == STEP_NO_BODY ? 0 : w->rigid.bodies[z->held].mass_ratio;
+  int32_t *mean = q == ZONE_VELOCITY ? z->mean : z->half;
   int64_t mass = z->whole;
   if (ratio != 0) mass += ((int64_t)1 << BODY_MASS_MAX_BITS) / ratio;
   for (uint32_t k = 0; k < 3; ++k) {
     const int32_t gained = z->held != STEP_NO_BODY && ratio == 0 ? 0 : mean_of(z->sum[k], mass);
-    z->mean[k] = fx_add_saturated(begin[k], gained);
+    mean[k] = fx_add_saturated(begin[k], gained);
   }
 }
 
 static void find_means(fray_world *w, const elastic_step *step, zone_quantity q) {
-  find_bodies(w);
   sum_vertices(w, step, q);
   for (uint32_t p = 0; p < w->p.count; ++p)
     if (w->self.zones[p].whole != 0) find_mean(w, &w->self.zones[p], q);
 }
 
-/* The zone that moves a vertex, or NULL. */
-static const self_zone *zone_of(fray_world *w, uint32_t p) {
-  const self_zone *z = &w->self.zones[impact_zones_joined(w, p)];
-  return z->members > 1 || z->held != STEP_NO_BODY ? z : NULL;
+/* A free body that holds a zone has been pushed without it. */
+static void follow_bodies(fray_world *w, const elastic_step *step) {
+  sum_vertices(w, step, ZONE_VELOCITY);
+  for (uint32_t p = 0; p < w->p.count; ++p)
+    if (w->self.zones[p].whole != 0 && w->self.zones[p].held != STEP_NO_BODY)
+      find_mean(w, &w->self.zones[p], ZONE_VELOCITY);
 }
 
-static int has_zones(const fray_world *w) {
-  return world_has_triangle_collision(w) && w->attempt.begin->joined_any != 0;
-}
+/* ---- a step ---- */
 
 static int64_t impulse_of(int32_t change, int32_t inverse) {
   enum { UP = ELASTIC_IMPULSE_BITS + ELASTIC_INVERSE_BITS - FX_VELOCITY_BITS };
@@ -116,49 +146,58 @@ static vec64 impulse_for(vec3 change, int32_t inverse) {
 }
 
 static void push_vertex(fray_world *w, uint32_t p, const self_zone *z, const elastic_step *step) {
-  const vec3 velocity = step_velocity(w, p, step);
-  const vec3 change = vec_sub_saturated(vec_of(z->mean), velocity);
+  const vec3 change = vec_sub_saturated(vec_of(z->mean), step_vertex_velocity(w, p, step));
   const int32_t inverse = w->membrane.inverse_mass[p];
   if (vec_span(change) == 0 || inverse == 0) return;
-  step_push_body(w, z->held, step_push(w, p, impulse_for(change, inverse)));
+  step_push_body(w, z->held, step_push_vertex(w, p, impulse_for(change, inverse)));
 }
 
-static void release_vertex(fray_world *w, uint32_t p, const self_zone *z, const elastic_step *last) {
-  const vec3 change = vec_sub_saturated(vec_of(z->mean), step_half_of(w, p, last));
-  const int32_t inverse = w->membrane.inverse_mass[p];
-  if (inverse == 0) return;
-  world_set_velocity(w, p, vec_add_clamped(world_velocity(w, p), change, FX_SPEED_MAX));
-  step_push_body(w, z->held, impulse_for(change, inverse));
-}
-
-void impact_zone_steps_begin(fray_world *w) {
-  uint32_t kept = 0;
-  limited_edge *edges = w->membrane.limited_edges;
-  if (!has_zones(w)) return;
-  for (uint32_t n = 0; n < w->membrane.limited_edge_count; ++n)
-    if (impact_zones_joined(w, edges[n].i) != impact_zones_joined(w, edges[n].j)) edges[kept++] = edges[n];
-  w->membrane.limited_edge_count = kept;
-}
-
-void impact_zone_steps_solve(fray_world *w, const elastic_step *step) {
-  if (!has_zones(w)) return;
-  find_means(w, step, ZONE_VELOCITY);
+static void push_vertices(fray_world *w, const elastic_step *step) {
   for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
-    const self_zone *z = zone_of(w, p);
+    const self_zone *z = step_zone_of(w, p);
     if (z != NULL) push_vertex(w, p, z, step);
   }
 }
 
-void impact_zone_steps_end(fray_world *w) {
+void impact_zone_steps_hold(fray_world *w, const elastic_step *step) {
   if (!has_zones(w)) return;
+  find_means(w, step, ZONE_FORCED);
+  find_means(w, step, ZONE_VELOCITY);
+  push_vertices(w, step);
+}
+
+void impact_zone_steps_share(fray_world *w, const elastic_step *step) {
+  if (!has_zones(w)) return;
+  follow_bodies(w, step);
+  push_vertices(w, step);
+}
+
+/* ---- the end of a tick ---- */
+
+static elastic_step last_step_of(const fray_world *w) {
   const int32_t steps = w->membrane.constants->steps;
   const elastic_step last = {{step_part_of(w->gravity_step.x, steps - 1, steps),
                               step_part_of(w->gravity_step.y, steps - 1, steps),
                               step_part_of(w->gravity_step.z, steps - 1, steps)},
                              0, 0};
-  find_means(w, &last, ZONE_FORCED);
-  for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
-    const self_zone *z = zone_of(w, p);
-    if (z != NULL) release_vertex(w, p, z, &last);
-  }
+  return last;
+}
+
+static void set_velocity(fray_world *w, uint32_t p, vec3 velocity) {
+  const vec3 clamped = vec_clamp(velocity, FX_SPEED_MAX);
+  if (!vec_is_equal(clamped, velocity)) world_fault(w, FRAY_FAULT_SPEED_LIMIT);
+  world_set_velocity(w, p, clamped);
+}
+
+void impact_zone_steps_ahead(fray_world *w) {
+  const elastic_step last = last_step_of(w);
+  for (uint32_t p = 0; p < w->p.count; ++p)
+    set_velocity(w, p, vec_add_clamped(world_velocity(w, p), step_half_of(w, p, &last), INT32_MAX));
+  w->attempt.begin->has_zones = 0;
+}
+
+void impact_zone_steps_back(fray_world *w) {
+  const elastic_step last = last_step_of(w);
+  for (uint32_t p = 0; p < w->p.count; ++p)
+    set_velocity(w, p, vec_sub_saturated(world_velocity(w, p), step_half_of(w, p, &last)));
 }

@@ -96,7 +96,7 @@ void impact_zones_forget(fray_world *w) {
   FRAY_ASSERT(world_has_triangle_collision(w));
   for (uint32_t p = 0; p < w->p.count; ++p) {
     w->attempt.vertices[p].joined = (index_t)p;
-    w->attempt.vertices[p].joined_body = 0;
+    w->attempt.vertices[p].joined_body = w->attempt.vertices[p].pinned = 0;
   }
   w->attempt.begin->joined_any = w->attempt.begin->joined_new = 0;
 }
@@ -113,6 +113,18 @@ void impact_zones_keep(fray_world *w) {
     grown = 1;
   }
   w->attempt.begin->joined_new |= (uint32_t)grown;
+}
+
+void impact_zones_keep_pair(fray_world *w, uint32_t p, uint32_t q) {
+  const zone_tree joined = joined_tree_of(w);
+  FRAY_ASSERT(world_has_triangle_collision(w));
+  (void)join(&joined, p, q);
+}
+
+void impact_zones_keep_all(fray_world *w) {
+  world_fault(w, FRAY_FAULT_SELF_COLLISION_BUDGET);
+  for (uint32_t p = particles_attached(w); p < w->p.count; ++p)
+    impact_zones_keep_pair(w, particles_attached(w), p);
 }
 
 uint32_t impact_zones_joined(fray_world *w, uint32_t p) {
@@ -149,7 +161,7 @@ static vec3 travel_of(const fray_world *w, uint32_t p) {
 }
 
 static void sum_paths(fray_world *w) {
-  static const self_zone empty = {{0, 0, 0}, 0, {0, 0, 0}, 0, 0, SELF_NONE};
+  static const self_zone empty = {{0, 0, 0}, 0, {0, 0, 0}, {0, 0, 0}, 0, 0, 0, SELF_NONE};
   const vertex_mass_scale scale = vertex_mass_scale_of(w);
   for (uint32_t p = 0; p < w->p.count; ++p) w->self.zones[p] = empty;
   for (uint32_t p = 0; p < w->p.count; ++p) {

@@ -19,6 +19,9 @@ void impact_zones_forget(fray_world *w);
 /* Adds the zones of now, and the bodies that vertices are pinned to, to those for the next attempt;
  * joined_new: some are new. */
 void impact_zones_keep(fray_world *w);
+/* Puts two into one of these zones; or all that are not attached: FRAY_FAULT_SELF_COLLISION_BUDGET. */
+void impact_zones_keep_pair(fray_world *w, uint32_t p, uint32_t q);
+void impact_zones_keep_all(fray_world *w);
 /* The root of a particle's zone among those of earlier attempts. */
 uint32_t impact_zones_joined(fray_world *w, uint32_t particle);
 /* Moves every zone by its members' mean path; a zone with an attached or pinned member moves as that one

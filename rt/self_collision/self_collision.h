@@ -14,5 +14,8 @@ void triangle_collision_rewind(fray_world *w);
 /* In the last substep: of yarns after breaks and splits, of triangles after all that moves vertices. */
 void yarn_collision_solve(fray_world *w);
 void triangle_collision_solve(fray_world *w);
+/* Before an attempt, with so many left: all pairs that may meet are joined before the last but one, all of
+ * the cloth before the last. */
+void triangle_collision_widen(fray_world *w, uint32_t left);
 
 #endif

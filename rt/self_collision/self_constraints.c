@@ -6,6 +6,7 @@
  * what is missed is for triangle_collision_solve(). */
 #include "rt/self_collision/self_constraints.h"
 
+#include "rt/elastic/step_passive.h"
 #include "rt/self_collision/impact_zones.h"
 #include "rt/self_collision/self_collision.h"
 #include "rt/self_collision/triangle_collision.h"
@@ -14,21 +15,9 @@ enum { WEIGHT_BITS = 15 };
 
 /* ---- found ---- */
 
-/* Q24 of 1 / particle mass. Bodies that hold vertices count as immovable: a free one weighs eight
- * times what it holds, at least. */
-static uint64_t inverse_mass_of(const fray_world *w, const uint32_t p[4], const int32_t weight[4]) {
-  uint64_t k = 0;
-  for (uint32_t n = 0; n < 4; ++n)
-    if (!particle_is_attached(w, p[n]))
-      k += (fx_square(weight[n]) >> 6) * (uint32_t)w->membrane.inverse_mass[p[n]] >> 24;
-  return k;
-}
-
 void self_constraint_add(fray_world *w, const uint32_t p[4], const int32_t weight[4], vec3 normal,
                          int64_t gap) {
-  const uint64_t k = inverse_mass_of(w, p, weight);
-  if (k == 0 || w->attempt.begin->constraints == SELF_CONSTRAINTS * w->capacity[POOL_PARTICLES])
-    return;
+  if (w->attempt.begin->constraints == SELF_CONSTRAINTS * w->capacity[POOL_PARTICLES]) return;
   self_constraint *c = &w->tri.constraints[w->attempt.begin->constraints++];
   for (uint32_t n = 0; n < 4; ++n) {
     c->p[n] = (index_t)p[n];
@@ -36,7 +25,6 @@ void self_constraint_add(fray_world *w, const uint32_t p[4], const int32_t weigh
   }
   c->normal = normal;
   c->gap_begin = fx_saturate(gap * (1 << FX_SUB_BITS));
-  c->mass = step_mass_of(k);
 }
 
 static vec3 velocity_of(const fray_world *w, uint32_t p) {
@@ -72,19 +60,15 @@ void self_constraints_find(fray_world *w) {
 
 /* ---- solved ---- */
 
-static int is_within_zone(fray_world *w, const self_constraint *c) {
-  const uint32_t zone = impact_zones_joined(w, c->p[0]);
-  for (uint32_t n = 1; n < 4; ++n)
-    if (impact_zones_joined(w, c->p[n]) != zone) return 0;
-  return 1;
-}
-
 void self_constraints_begin(fray_world *w) {
   uint32_t kept = 0;
   FRAY_ASSERT(w->attempt.begin->constraints <= SELF_CONSTRAINTS * w->capacity[POOL_PARTICLES]);
   for (uint32_t n = 0; n < w->attempt.begin->constraints; ++n) {
     self_constraint *c = &w->tri.constraints[n];
-    if (is_within_zone(w, c)) continue; /* for good: zones only grow in a tick */
+    const uint32_t vertex[4] = {c->p[0], c->p[1], c->p[2], c->p[3]};
+    const uint64_t k = step_point_inverse_mass(w, vertex, c->weight, 4);
+    if (k == 0) continue; /* for good: zones only grow in a tick */
+    c->mass = step_mass_of(k);
     c->gap = c->gap_begin;
     c->low = 0;
     w->tri.constraints[kept++] = *c;
@@ -92,12 +76,13 @@ void self_constraints_begin(fray_world *w) {
   w->attempt.begin->constraints = kept;
 }
 
-static vec3 relative_velocity(const fray_world *w, const self_constraint *c,
-                              const elastic_step *step) {
+typedef vec3 (*vertex_speed)(const fray_world *w, uint32_t p, const elastic_step *step);
+
+static vec3 relative(const fray_world *w, const self_constraint *c, const elastic_step *step,
+                     vertex_speed of) {
   vec64 sum = {0, 0, 0};
   for (uint32_t n = 0; n < 4; ++n)
-    if (c->weight[n] != 0)
-      sum = vec_add64(sum, vec_scale64(step_velocity(w, c->p[n], step), c->weight[n]));
+    if (c->weight[n] != 0) sum = vec_add64(sum, vec_scale64(of(w, c->p[n], step), c->weight[n]));
   return vec_round_saturated(sum, WEIGHT_BITS);
 }
 
@@ -112,14 +97,16 @@ static void push_apart(fray_world *w, const self_constraint *c, vec3 change) {
 }
 
 static void solve_constraint(fray_world *w, self_constraint *c, const elastic_step *step) {
-  const vec3 velocity = relative_velocity(w, c, step);
+  const vec3 velocity = relative(w, c, step, step_velocity);
   const int32_t least = step_speed_min(c->gap, w->membrane.constants->steps, step->rise);
-  const int32_t along = vec_dot_unit(velocity, c->normal);
+  int32_t along = vec_dot_unit(velocity, c->normal);
   if (along < least) {
-    const vec3 change = vec_scale_unit(c->normal, fx_saturate((int64_t)least - along));
-    push_apart(w, c, change);
+    const int32_t half = vec_dot_unit(relative(w, c, step, step_half_of), c->normal);
+    const int32_t to = step_passive_speed(least, along, half);
+    push_apart(w, c, vec_scale_unit(c->normal, fx_saturate((int64_t)to - along)));
+    along = to;
   }
-  const int64_t way = fx_mul_wide(fx_max(along, least), step->part) + c->low;
+  const int64_t way = fx_mul_wide(along, step->part) + c->low;
   c->low = (int32_t)(way & INT32_MAX);
   c->gap = fx_saturate(c->gap + fx_asr64(way, ELASTIC_LOW_BITS));
 }

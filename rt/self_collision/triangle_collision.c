@@ -11,8 +11,10 @@
  *   merge   those that touch on their paths nevertheless: their vertices become one impact zone
  *
  * Before, in the elastic steps, those that may meet are constraints (self_constraints.c), so that little
- * is left here. Zones that this finds move as one from the beginning in the next attempt at the tick
- * (impact_zone_steps.c, tick/tick_membrane.c); what the last one finds is put together by position.
+ * is left here. Zones that this finds, and vertices that a body stops, move as one from the beginning in
+ * the next attempt at the tick (impact_zone_steps.c, tick/tick_membrane.c). Before the last but one all
+ * pairs that may meet are joined, before the last all of the cloth; what that one finds is put together
+ * by position.
  *
  * If a zone moves farther than the search allowed for, the pass is repeated. Then changed paths are
  * tested against rigid meshes and spheres again: a vertex that would cross a body is pinned to
@@ -93,7 +95,6 @@ static void merge_all(fray_world *w) {
 
 static void solve(fray_world *w) {
   w->tri.list->without_room = 0;
-  for (uint32_t p = 0; p < w->p.count; ++p) w->attempt.vertices[p].pinned = 0;
   for (uint32_t pass = 0; pass < SELF_PASSES; ++pass) {
     impact_zones_begin(w);
     if (!triangle_collision_find(w, 0)) break;
@@ -112,5 +113,13 @@ void triangle_collision_solve(fray_world *w) {
   w->attempt.begin->joined_new = 0;
   solve(w);
   impact_zones_keep(w);
+}
 
+void triangle_collision_widen(fray_world *w, uint32_t left) {
+  FRAY_ASSERT(world_has_triangle_collision(w));
+  if (left > 2) return;
+  if (left == 1) impact_zones_keep_all(w);
+  for (uint32_t n = 0; n < pair_count(w); ++n)
+    for (uint32_t k = 1; k < 4; ++k)
+      impact_zones_keep_pair(w, pair_particle(w, pair_at(w, n), 0), pair_particle(w, pair_at(w, n), k));
 }

@@ -19,7 +19,7 @@ typedef struct {
 } elastic_impulse;
 
 /* Of a watched world's vertex: that sum behind limits of edges, and behind contact. */
-enum { STEP_MARKS = 3 };
+enum { STEP_MARKS = 4 };
 typedef struct {
   elastic_impulse sum[STEP_MARKS - 1];
 } metered_impulse;

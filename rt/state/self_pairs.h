@@ -60,6 +60,8 @@ typedef struct {
   int64_t sum[3];  /* mass times path, mass times Q24 lu; then momentum */
   int64_t whole;   /* of vertices: the sum of their masses */
   int32_t mean[3]; /* mean velocity, Q28 lu per substep */
+  int32_t half[3]; /* in an elastic step: half of what its forces change of that */
+  uint32_t inverse_mass; /* there: Q24 of 1 / particle mass */
   int32_t mass;    /* half crossings; of vertices 64ths of a particle */
   uint32_t members;
   uint32_t held;   /* an attached or pinned member; then the heaviest one; or SELF_NONE */

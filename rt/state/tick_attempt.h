@@ -10,7 +10,7 @@
 #include "rt/state/rigid_body.h"
 #include "rt/state/spring.h"
 
-enum { TICK_ATTEMPTS = 3 };
+enum { TICK_ATTEMPTS = 4 };
 
 typedef struct {
   vec3 velocity;       /* Q28 lu per substep */
@@ -32,6 +32,7 @@ typedef struct {
   int32_t momentum_remainder[3];
   int32_t contact_tank[2];
   uint32_t joined_any, joined_new; /* there are zones before this attempt; it has found more */
+  uint32_t has_zones;             /* in this attempt: zones move as one, and `joined` are their roots */
   uint32_t constraints;            /* of self-contact */
 #if FRAY_ENERGY
   energy_ledger energy;

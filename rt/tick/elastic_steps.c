@@ -18,7 +18,7 @@ void elastic_steps_run(fray_world *w, uint32_t substep) {
   if (substep == 0) step_passive_begin(w);
   step_bodies_begin(w);
   edge_limits_find(w);
-  impact_zone_steps_begin(w);
+  impact_zone_steps_leave_edges(w);
   contact_constraints_find(w);
   for (int32_t number = 0; number < w->membrane.constants->steps; ++number) {
     const elastic_step step = membrane_step_force(w, &view, substep, number);
@@ -28,12 +28,16 @@ void elastic_steps_run(fray_world *w, uint32_t substep) {
       step_handles_pull(w, &step, (int32_t)substep * w->membrane.constants->steps + number);
     step_passive_mark(w);
     step_meter_mark(w, 0);
-    edge_limits_solve(w, &step);
+    impact_zone_steps_hold(w, &step);
     step_meter_mark(w, 1);
-    contact_constraints_solve(w, &step);
+    edge_limits_solve(w, &step);
+    impact_zone_steps_share(w, &step);
     step_meter_mark(w, 2);
+    contact_constraints_solve(w, &step);
+    impact_zone_steps_share(w, &step);
+    step_meter_mark(w, 3);
     self_constraints_solve(w, &step);
-    impact_zone_steps_solve(w, &step);
+    impact_zone_steps_share(w, &step);
     step_meter_mark(w, STEP_MARKS);
     membrane_step_move(w, &view);
     step_bodies_move(w, &step, number);

@@ -16,7 +16,8 @@ static void save_vertex(fray_world *w, uint32_t p) {
 }
 
 static void restore_vertex(fray_world *w, uint32_t p) {
-  const attempt_vertex *v = &w->attempt.vertices[p];
+  attempt_vertex *v = &w->attempt.vertices[p];
+  v->pinned = 0;
   world_set_velocity(w, p, v->velocity);
   w->p.rx[p] = v->remainder[0];
   w->p.ry[p] = v->remainder[1];

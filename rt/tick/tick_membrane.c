@@ -28,8 +28,11 @@ static void run_substeps(fray_world *w) {
     if (substep + 1u == substeps) {
       particles_hold(w);
       energy_stage(w, FRAY_ENERGY_LIMITS);
-      impact_zone_steps_end(w);
-      if (world_has_triangle_collision(w)) triangle_collision_solve(w);
+      if (world_has_triangle_collision(w)) {
+        impact_zone_steps_ahead(w);
+        triangle_collision_solve(w);
+        impact_zone_steps_back(w);
+      }
       energy_stage(w, FRAY_ENERGY_SELF_COLLISION);
     }
     particles_update_velocity(w);
@@ -39,15 +42,19 @@ static void run_substeps(fray_world *w) {
   }
 }
 
-/* What self-collision had to put together moves as one from the beginning in the next attempt. */
+/* What self-collision had to put together, or a body to stop, moves as one from the beginning in the next
+ * attempt. */
 static void run_attempts(fray_world *w) {
   triangle_collision_begin(w);
   rollback_save(w);
   self_constraints_find(w);
+  impact_zone_steps_begin(w);
   self_constraints_begin(w);
   run_substeps(w);
   for (uint32_t attempt = 1; attempt < TICK_ATTEMPTS && w->attempt.begin->joined_new != 0; ++attempt) {
+    triangle_collision_widen(w, TICK_ATTEMPTS - attempt);
     rollback_restore(w);
+    impact_zone_steps_begin(w);
     self_constraints_begin(w);
     run_substeps(w);
   }

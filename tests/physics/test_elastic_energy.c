@@ -138,11 +138,30 @@ static const char folded[] =
     "material rag {\n density 49.8 g/m2\n young 5158357 Pa\n thickness 0.04467 cm\n poisson 0.24\n}\nwind -3.8 -4.9 -4.8 m/s\n"
     "load bottom 5.7 18.5 10.6 N/m\nslit column 1 1 2\n";
 
+/* A hammer of 0.4 g meets a load that throws a stiff sheet: bodies stop paths, and the sheet becomes a ball of zones. */
+static const char hammered[] =
+    "scene hammered\nrate 500 Hz\nsubsteps 4\nmembrane {\n columns 5\n rows 13\n cell 2.352 cm\n pattern irregular 967\n material rag\n"
+    " drag 0 /s\n thickness 0.05 cm\n self_collision on\n}\nmaterial rag {\n density 21.2 g/m2\n young 5.238 MPa\n thickness 0.019 cm\n"
+    " poisson 0.18\n bend all 145 uNm\n tear 189 N/m\n}\nload bottom 3.8 11.2 12.8 N/m\n"
+    "mesh b {\n obj \"tests/scenes/meshes/hammer.obj\"\n unit 1.3553 cm\n rotate -149.4 deg about x\n friction 0.29\n"
+    " at -2.6884 -11.4925 8.6869 cm\n move free\n mass 0.3818 g\n velocity 98.8 47.69 -211.98 cm/s\n}\n";
+/* Two bodies draw a sheet until it tears, and what hangs between them meets itself: limits of edges at zones. */
+static const char torn_apart[] =
+    "scene apart\nrate 1000 Hz\nsubsteps 3\nmembrane {\n columns 4\n rows 6\n cell 1.4745 cm\n material rag\n weft 31.2 deg\n"
+    " orientation horizontal\n drag 2 /s\n thickness 0.04921 cm\n collision vertices\n self_collision on\n}\n"
+    "material rag {\n density 306.9 g/m2\n young 920434 Pa\n thickness 0.01213 cm\n poisson 0.20\n tear 14.91 N/m\n}\n"
+    "wind 0.2 3 -5.4 m/s\npin column left\nplane p {\n at 0 -5.3586 0 cm\n friction 0.58\n}\n"
+    "box b {\n size 1.8553 0.6572 1.6646 cm\n friction 0.24\n attach_within 0.9419 cm\n move path { 0 s -1.5388 0 2.6181 cm\n"
+    "  0.404 s -2.5471 2.1417 -1.0811 cm  0.824 s -2.6058 2.5119 -0.3108 cm }\n}\n"
+    "sphere s {\n radius 2.636 cm\n friction 0.87\n attach_within 0.5237 cm\n at 1.7623 0 2.9985 cm\n}\n";
+
 static void contact_makes_none(void) {
   static const struct {
     const char *name, *text;
     fray_energy_stage stage;
-  } cases[] = {{"between", torn_between, FRAY_ENERGY_CONTACT}, {"folded", folded, FRAY_ENERGY_SELF_COLLISION}};
+  } cases[] = {{"between", torn_between, FRAY_ENERGY_CONTACT}, {"folded", folded, FRAY_ENERGY_SELF_COLLISION},
+               {"hammered", hammered, FRAY_ENERGY_CONTACT}, {"zones", hammered, FRAY_ENERGY_SELF_COLLISION},
+               {"apart", torn_apart, FRAY_ENERGY_SELF_COLLISION}};
   for (uint32_t n = 0; n < sizeof cases / sizeof cases[0]; ++n) {
     fixture_scoped f = {0};
     double made = 0, taken = 0;
