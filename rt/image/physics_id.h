@@ -5,6 +5,6 @@
 #ifndef FRAY_IMAGE_PHYSICS_ID_H
 #define FRAY_IMAGE_PHYSICS_ID_H
 
-#define PHYSICS_ID 0xD57C17A7u
+#define PHYSICS_ID 0x559C813Fu
 
 #endif
