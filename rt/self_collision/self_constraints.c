@@ -60,6 +60,12 @@ void self_constraints_find(fray_world *w) {
 
 /* ---- solved ---- */
 
+static int is_within_zone(const fray_world *w, const self_constraint *c) {
+  const self_zone *zone = step_zone_of(w, c->p[0]);
+  return zone != NULL && step_zone_of(w, c->p[1]) == zone && step_zone_of(w, c->p[2]) == zone &&
+         step_zone_of(w, c->p[3]) == zone;
+}
+
 void self_constraints_begin(fray_world *w) {
   uint32_t kept = 0;
   FRAY_ASSERT(w->attempt.begin->constraints <= SELF_CONSTRAINTS * w->capacity[POOL_PARTICLES]);
@@ -67,7 +73,7 @@ void self_constraints_begin(fray_world *w) {
     self_constraint *c = &w->tri.constraints[n];
     const uint32_t vertex[4] = {c->p[0], c->p[1], c->p[2], c->p[3]};
     const uint64_t k = step_point_inverse_mass(w, vertex, c->weight, 4);
-    if (k == 0) continue; /* for good: zones only grow in a tick */
+    if (k == 0 || is_within_zone(w, c)) continue; /* for good: zones only grow in a tick */
     c->mass = step_mass_of(k);
     c->gap = c->gap_begin;
     c->low = 0;
@@ -76,14 +82,23 @@ void self_constraints_begin(fray_world *w) {
   w->attempt.begin->constraints = kept;
 }
 
-typedef vec3 (*vertex_speed)(const fray_world *w, uint32_t p, const elastic_step *step);
-
-static vec3 relative(const fray_world *w, const self_constraint *c, const elastic_step *step,
-                     vertex_speed of) {
+static vec3 weighted(const self_constraint *c, const vec3 of[4]) {
   vec64 sum = {0, 0, 0};
-  for (uint32_t n = 0; n < 4; ++n)
-    if (c->weight[n] != 0) sum = vec_add64(sum, vec_scale64(of(w, c->p[n], step), c->weight[n]));
+  for (uint32_t n = 0; n < 4; ++n) sum = vec_add64(sum, vec_scale64(of[n], c->weight[n]));
   return vec_round_saturated(sum, WEIGHT_BITS);
+}
+
+static vec3 relative_velocity(const fray_world *w, const self_constraint *c,
+                              const elastic_step *step) {
+  const vec3 of[4] = {step_velocity(w, c->p[0], step), step_velocity(w, c->p[1], step),
+                      step_velocity(w, c->p[2], step), step_velocity(w, c->p[3], step)};
+  return weighted(c, of);
+}
+
+static vec3 relative_half(const fray_world *w, const self_constraint *c, const elastic_step *step) {
+  const vec3 of[4] = {step_half_of(w, c->p[0], step), step_half_of(w, c->p[1], step),
+                      step_half_of(w, c->p[2], step), step_half_of(w, c->p[3], step)};
+  return weighted(c, of);
 }
 
 static void push_apart(fray_world *w, const self_constraint *c, vec3 change) {
@@ -97,11 +112,11 @@ static void push_apart(fray_world *w, const self_constraint *c, vec3 change) {
 }
 
 static void solve_constraint(fray_world *w, self_constraint *c, const elastic_step *step) {
-  const vec3 velocity = relative(w, c, step, step_velocity);
+  const vec3 velocity = relative_velocity(w, c, step);
   const int32_t least = step_speed_min(c->gap, w->membrane.constants->steps, step->rise);
   int32_t along = vec_dot_unit(velocity, c->normal);
   if (along < least) {
-    const int32_t half = vec_dot_unit(relative(w, c, step, step_half_of), c->normal);
+    const int32_t half = vec_dot_unit(relative_half(w, c, step), c->normal);
     const int32_t to = step_passive_speed(least, along, half);
     push_apart(w, c, vec_scale_unit(c->normal, fx_saturate((int64_t)to - along)));
     along = to;
