@@ -51,7 +51,8 @@ void impact_zone_steps_begin(fray_world *w) {
   for (uint32_t p = 0; p < w->p.count; ++p) find_members(w, &scale, p);
   for (uint32_t p = 0; p < w->p.count; ++p) {
     self_zone *z = &w->self.zones[p];
-    if (z->whole != 0) z->inverse_mass = (uint32_t)(((int64_t)1 << 40) / z->whole);
+    if (z->whole != 0)
+      z->inverse_mass = (uint32_t)fx_clamp64(((int64_t)1 << 40) / z->whole, 0, INT32_MAX);
   }
 }
 
