@@ -168,10 +168,11 @@ SANITIZE := -DFRAY_ASSERTIONS -fno-sanitize-recover=all -fno-omit-frame-pointer 
 san: ## every test program and the command, under sanitizers of gcc and clang, and where sums trap; PART=2/4
 	@for goal in $(call share,san); do $(MAKE) --no-print-directory PART=1/1 $$goal || exit 1; done
 
+# wide kernels under a sanitizer are slow, or compile for minutes: there they take random rows, and in the programs run bare
 san-gcc:
-	$(MAKE) test SUITES=cli BUILD=build-san-gcc CC=gcc OPT=-O2 EXTRA="-fsanitize=address,undefined $(SANITIZE)" WIDE=-O0
+	$(MAKE) wide ROWS=200000 BUILD=build-san-gcc/wide CC=gcc OPT=-O2 EXTRA="-fsanitize=address,undefined $(SANITIZE)" WIDE=-O0
+	$(MAKE) test SUITES=cli BUILD=build-san-gcc CC=gcc OPT=-O2 EXTRA="-fsanitize=address,undefined $(SANITIZE)" WIDE=-fno-sanitize=all
 
-# what clang makes of wide kernels runs for minutes: under it they take random rows, not scenes
 san-clang:
 	$(MAKE) wide ROWS=200000 BUILD=build-san-clang/wide CC=clang OPT=-O2 EXTRA="-fsanitize=address,undefined $(SANITIZE)" WIDE=-O0
 	$(MAKE) test SUITES=cli BUILD=build-san-clang CC=clang OPT=-O2 EXTRA="-fsanitize=address,undefined $(SANITIZE)" WIDE=-fno-sanitize=all

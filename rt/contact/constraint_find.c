@@ -5,7 +5,6 @@
  *   primitives        the vertices that contact_gather() listed
  *   meshes            vertices, as contact_vertices.c would push them, and triangles
  *   spheres           triangles too
- *   the world's edge  vertices that may reach it
  *
  * Nothing here is state. What is missed, because it is fast only later, is for
  * contact_guard_apply() and the tests of paths behind the elastic steps. */
@@ -16,9 +15,8 @@
 
 int32_t contact_effective_mass(const fray_world *w, uint32_t body, const uint32_t vertex[3],
                                const int32_t weight[3]) {
-  uint64_t k =
-      body == CONSTRAINT_WORLD ? 0 : (uint64_t)(uint32_t)w->rigid.bodies[body].mass_ratio >> 6;
-  k += step_point_inverse_mass(w, vertex, weight, 3);
+  const uint64_t k = ((uint64_t)(uint32_t)w->rigid.bodies[body].mass_ratio >> 6) +
+                     step_point_inverse_mass(w, vertex, weight, 3);
   return k == 0 ? 0 : step_mass_of(k);
 }
 
@@ -31,7 +29,7 @@ void contact_constraint_miss(fray_world *w) {
 void contact_constraint_add(fray_world *w, uint32_t body, constraint_kind kind,
                             const uint32_t vertex[3], const int32_t weight[3], vec3 normal,
                             int64_t gap) {
-  FRAY_ASSERT(body < w->capacity[POOL_BODIES] || body == CONSTRAINT_WORLD);
+  FRAY_ASSERT(body < w->capacity[POOL_BODIES]);
   const int32_t mass = contact_effective_mass(w, body, vertex, weight);
   if (mass == 0) return;
   if (w->membrane.constraint_count == CONSTRAINTS_PER_CONTACT * w->capacity[POOL_CONTACTS]) {
@@ -159,34 +157,11 @@ static void find_meshes(fray_world *w) {
   move_back(w);
 }
 
-/* ---- the edge of the world ---- */
-
-/* Vertices are stopped LU / 16 before the edge, and looked after from half a lu on: one at rest may be
- * driven there by what still comes. */
-static void find_edge(fray_world *w, uint32_t p, uint32_t axis, int32_t at, int32_t speed) {
-  const int64_t end = (int64_t)at + fx_asr(speed, FX_SUB_BITS - 1);
-  const int64_t edge = FX_WORLD_MAX - FX_LU / 2;
-  if ((at > -edge && at < edge) && (end > -edge && end < edge)) return;
-  int32_t inward[3] = {0, 0, 0};
-  inward[axis] = at < 0 ? 1 << 30 : -(1 << 30);
-  contact_constraint_add_vertex(w, CONSTRAINT_WORLD, CONSTRAINT_FLAT, p, vec_of(inward),
-                                (int64_t)FX_WORLD_MAX - FX_LU / 16 + (at < 0 ? at : -at));
-}
-
-static void find_edges(fray_world *w) {
-  for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
-    find_edge(w, p, 0, w->p.x[p], w->p.vx[p]);
-    find_edge(w, p, 1, w->p.y[p], w->p.vy[p]);
-    find_edge(w, p, 2, w->p.z[p], w->p.vz[p]);
-  }
-}
-
 void contact_constraints_find(fray_world *w) {
   FRAY_ASSERT(world_has_membrane(w) && w->contact.gathered <= w->capacity[POOL_CONTACTS]);
   w->membrane.constraint_count = 0;
   w->membrane.constraints_missed = 0;
   for (uint32_t n = 0; n < w->contact.gathered; ++n) find_primitive(w, &w->contact.list[n]);
   if (world_has_rigid_meshes(w)) find_meshes(w);
-  find_edges(w);
   contact_planes_find(w);
 }

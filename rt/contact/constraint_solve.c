@@ -117,15 +117,14 @@ static void solve_constraint(fray_world *w, contact_constraint *c, const elastic
   const vec3 velocity =
       vec_sub_saturated(point_velocity(w, c, step), step_body_velocity(w, c->body));
   const int32_t least = step_speed_min(c->gap, w->membrane.constants->steps, step->rise);
-  const int32_t friction = c->body == CONSTRAINT_WORLD ? 0 : w->rigid.bodies[c->body].friction;
-  const vec3 wanted = step_contact_change(velocity, c->normal, least, friction);
+  const vec3 wanted =
+      step_contact_change(velocity, c->normal, least, w->rigid.bodies[c->body].friction);
   int32_t along = vec_dot_unit(velocity, c->normal);
   if (vec_span(wanted) != 0) {
     const vec3 u = vec_sub_saturated(velocity, half_of(w, c, step));
     const vec3 change = step_passive_change(w, c->mass, u, wanted);
     along = fx_add_saturated(along, vec_dot_unit(change, c->normal));
     push_point(w, c, change);
-    if (c->body == CONSTRAINT_WORLD) world_fault(w, FRAY_FAULT_OUT_OF_WORLD);
   }
   if (c->kind != CONSTRAINT_FLAT) return;
   const int64_t way = fx_mul_wide(along, step->part) + c->low;

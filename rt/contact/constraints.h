@@ -12,6 +12,10 @@ void contact_constraints_solve(fray_world *w, const elastic_step *step);
 /* Behind the elastic steps, whose positions it changes: what got into a primitive nevertheless. */
 void contact_guard_apply(fray_world *w);
 
+/* The edge of the world, in the same way. */
+void world_edge_find(fray_world *w);
+void world_edge_solve(fray_world *w, const elastic_step *step);
+
 /* Parts of these: free bodies on planes. */
 void contact_planes_find(fray_world *w);
 void contact_planes_solve(fray_world *w, const elastic_step *step);

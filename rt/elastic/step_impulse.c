@@ -38,15 +38,19 @@ static int move_as_one(const fray_world *w, uint32_t p, uint32_t q) {
 
 uint64_t step_point_inverse_mass(const fray_world *w, const uint32_t *vertex, const int32_t *weight,
                                  uint32_t count) {
-  int64_t k = 0;
+  uint64_t k = 0;
   FRAY_ASSERT(count <= 4);
   for (uint32_t n = 0; n < count; ++n) {
-    int64_t product = fx_mul_wide(weight[n], weight[n]);
-    for (uint32_t m = 0; m < n; ++m)
-      if (move_as_one(w, vertex[m], vertex[n])) product += 2 * fx_mul_wide(weight[m], weight[n]);
-    k += fx_asr64(fx_asr64(product, 6) * step_inverse_mass(w, vertex[n]), 24);
+    int32_t whole = 0; /* of all that move as one, squared once: weights of both signs leave little */
+    uint32_t first = n;
+    for (uint32_t m = 0; m < count; ++m) {
+      if (m != n && !move_as_one(w, vertex[m], vertex[n])) continue;
+      whole += weight[m];
+      first = m < first ? m : first;
+    }
+    if (first == n) k += (fx_square(whole) >> 6) * step_inverse_mass(w, vertex[n]) >> 24;
   }
-  return k < 0 ? 0 : (uint64_t)k;
+  return k;
 }
 
 int32_t step_mass_of(uint64_t k) {

@@ -3,6 +3,7 @@
  *
  *   stretch, shear   stress times strain over 2, summed over triangles: the uu and vv of it, and the uv
  *   bend             delta H delta over 2 (membrane/bend_force.c), summed over triangles
+ *                    both less what triangles owe
  *   form             half of velocity times the impulse of an elastic step
  *
  * A gain times a strain is the impulse of one of n elastic steps, so energies are n times that. Moments
@@ -42,6 +43,13 @@ static material_tensor counted_strain(const fray_world *w, uint32_t t, material_
   return counted;
 }
 
+/* What a stiffness that followed the strain has made, and motion has not repaid (membrane_stress.c). */
+static wide_number owed_by(const fray_world *w, uint32_t t) {
+  const membrane_params *c = w->membrane.constants;
+  const int64_t owed = (int64_t)w->membrane.stiffness[t].owed * ((int64_t)1 << c->energy_shift);
+  return wide_product(owed, membrane_gain_of(w, t), 58u + (uint32_t)c->force_shift);
+}
+
 static void measure_triangles(const fray_world *w, energy_stored *e) {
   const uint32_t triangles = triangles_in_use(w);
   const int64_t steps = w->membrane.constants->steps;
@@ -58,6 +66,7 @@ static void measure_triangles(const fray_world *w, energy_stored *e) {
     normal = wide_add(
         normal, wide_of(fx_mul_wide(stress.uu, strain.uu) + fx_mul_wide(stress.vv, strain.vv), 58));
     shear = wide_add(shear, wide_of(fx_mul_wide(stress.uv, strain.uv), 58));
+    normal = wide_sub(normal, owed_by(w, t));
   }
   e->stretch = wide_times(normal, steps, 1);
   e->shear = wide_times(shear, steps, 1);
@@ -67,10 +76,11 @@ static void measure_triangles(const fray_world *w, energy_stored *e) {
 static void measure_bending(fray_world *w, energy_stored *e) {
   const int64_t every = w->membrane.constants->bend_every;
   const uint32_t triangles = triangles_in_use(w);
+  const uint32_t bits = (uint32_t)w->membrane.constants->bend_bits;
   wide_number sum = {0, 0};
   e->bend = sum;
   if (every == 0) return;
-  membrane_angles_now(w);
+  membrane_angles_find(w);
   for (uint32_t t = 0; t < triangles; ++t) {
     static const uint8_t row[3][3] = {{PLATE_H00, PLATE_H01, PLATE_H02},
                                       {PLATE_H01, PLATE_H11, PLATE_H12},
@@ -80,9 +90,9 @@ static void measure_bending(fray_world *w, energy_stored *e) {
       const int64_t moment = fx_mul_wide(bend_plate_column(w, row[k][0])[t], angle[0]) +
                              fx_mul_wide(bend_plate_column(w, row[k][1])[t], angle[1]) +
                              fx_mul_wide(bend_plate_column(w, row[k][2])[t], angle[2]);
-      sum = wide_add(sum, wide_product(moment, angle[k],
-                                       (uint32_t)w->membrane.constants->bend_bits + 2u * BEND_ANGLE_BITS));
+      sum = wide_add(sum, wide_product(moment, angle[k], bits + 2u * BEND_ANGLE_BITS));
     }
+    sum = wide_sub(sum, wide_of(w->membrane.bend_states[t].owed, bits - 4u)); /* twice: bend_owed.c */
   }
   e->bend = wide_over(wide_times(sum, (int64_t)w->membrane.constants->steps, 1), (uint32_t)every);
 }

@@ -70,7 +70,7 @@ const image_array image_arrays[] = {
     MESH(44, ROLE_STATE, KIND_ID, POOL_PARTICLES, 1, first_triangle),
     SHEET(45, ROLE_CONSTANT, KIND_WORD, POOL_PARAMS, MAX_MATERIALS *MATERIAL_WORDS, membrane.materials),
     SHEET(46, ROLE_CONSTANT, KIND_WORD, POOL_PARAMS, MEMBRANE_PARAM_WORDS, membrane.constants),
-    SHEET(47, ROLE_STATE, KIND_WORD, POOL_TRIANGLES, SMOOTHED_STRAIN_WORDS, membrane.smoothed_strains),
+    SHEET(47, ROLE_STATE, KIND_WORD, POOL_TRIANGLES, STIFFNESS_STATE_WORDS, membrane.stiffness),
     SHEET(48, ROLE_CONSTANT, KIND_WORD, POOL_PARAMS, MAX_MATERIALS *TEAR_STRENGTH_WORDS,
           membrane.tear_strengths),
 #if FRAY_YARN_COLLISION
@@ -180,6 +180,7 @@ const image_array image_arrays[] = {
     LAYERS(KIND_STRUCT, POOL_PARTICLES, sizeof(attempt_vertex), attempt.vertices),
     LAYERS(KIND_STRUCT, POOL_BODIES, sizeof(attempt_body), attempt.bodies),
     LAYERS(KIND_STRUCT, POOL_TRIANGLES, sizeof(bend_state), attempt.bend_states),
+    LAYERS(KIND_WORD, POOL_TRIANGLES, 1, attempt.owed),
 #endif
 };
 const uint32_t image_array_count = sizeof image_arrays / sizeof image_arrays[0];

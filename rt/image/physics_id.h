@@ -5,6 +5,6 @@
 #ifndef FRAY_IMAGE_PHYSICS_ID_H
 #define FRAY_IMAGE_PHYSICS_ID_H
 
-#define PHYSICS_ID 0x28F03DEDu
+#define PHYSICS_ID 0xBBB02831u
 
 #endif

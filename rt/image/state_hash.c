@@ -35,8 +35,8 @@ void state_hash_axes(const fray_world *w, state_hash_part which, hash axes[3], u
 
 static void hash_sheet(hash *h, const fray_world *w) {
   hash_words(h, (const int32_t *)(const void *)w->trimesh.state, TRIMESH_STATE_WORDS);
-  hash_words(h, (const int32_t *)(const void *)w->membrane.smoothed_strains,
-             triangles_in_use(w) * SMOOTHED_STRAIN_WORDS);
+  hash_words(h, (const int32_t *)(const void *)w->membrane.stiffness,
+             triangles_in_use(w) * STIFFNESS_STATE_WORDS);
   hash_words(h, (const int32_t *)(const void *)w->membrane.bend_states,
              triangles_in_use(w) * BEND_STATE_WORDS);
 #if FRAY_CRACKS

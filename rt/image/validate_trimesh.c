@@ -16,7 +16,7 @@ static const word_range strength_ranges[TEAR_STRENGTH_WORDS] = {TEAR_STRENGTHS(X
 /* Section ids, as in image_arrays. */
 enum {
   IN_TRIMESH = 36, IN_TRIMESH_STATE, IN_TRIANGLE, IN_AREA, IN_EDGE_MARKS, IN_MATERIAL, IN_U, IN_V,
-  IN_FIRST_TRIANGLE, IN_MATERIALS, IN_MEMBRANE_PARAMS, IN_SMOOTHED_STRAINS, IN_TEAR_STRENGTHS
+  IN_FIRST_TRIANGLE, IN_MATERIALS, IN_MEMBRANE_PARAMS, IN_STIFFNESS, IN_TEAR_STRENGTHS
 };
 
 static int counts_good(const fray_world *w, fray_error *error) {
@@ -93,14 +93,16 @@ static int triangle_good(const fray_world *w, uint32_t t) {
 }
 
 /* Green's strain cannot be below -1/2, and what is a mean of it neither. */
-static int strains_good(const smoothed_strain *s) {
+static int stiffness_good(const stiffness_state *s) {
   for (uint32_t n = 0; n < SMOOTHED_STRAIN_POLES; ++n) {
     const material_tensor *mean = &s->mean[n];
     if (mean->uu < -STRAIN_ONE / 2 || mean->uu > STRAIN_MAX || mean->vv < -STRAIN_ONE / 2 ||
         mean->vv > STRAIN_MAX || mean->uv < -STRAIN_MAX || mean->uv > STRAIN_MAX)
       return 0;
   }
-  return 1;
+  for (uint32_t n = 0; n < MATERIAL_ENTRIES; ++n)
+    if (s->c[n] < 0 || s->c[n] > MATERIAL_STIFF_MAX) return 0;
+  return s->owed >= -MATERIAL_ENERGY_MAX && s->owed <= MATERIAL_ENERGY_MAX;
 }
 
 /* Offsets of a side are opposite in its two triangles, and none is on the boundary. */
@@ -109,6 +111,8 @@ static int bend_good(const fray_world *w, uint32_t t) {
   const bend_state *b = &w->membrane.bend_states[t];
   for (uint32_t n = 0; n < SMOOTHED_STRAIN_POLES; ++n)
     if (b->habit[n] < 0 || b->habit[n] > BEND_HABIT_MAX) return 0;
+  if (b->faded < 0 || b->faded > BEND_ONE) return 0;
+  if (b->owed < -BEND_ENERGY_MAX || b->owed > BEND_ENERGY_MAX) return 0;
   for (uint32_t k = 0; k < 3; ++k) {
     const uint32_t other = s->triangle[t].neighbour[k];
     if (b->offset[k] < -BEND_OFFSET_MAX || b->offset[k] > BEND_OFFSET_MAX) return 0;
@@ -130,11 +134,13 @@ static int triangles_good(const fray_world *w, fray_error *error) {
       return image_bad(error, IN_TRIANGLE, t, "a triangle with area_min and height_min");
     if (s->area[t] < 1 || s->area[t] >= TRIMESH_AREA_MAX)
       return image_bad(error, IN_AREA, t, "an area of 1 to 2^27 - 1");
-    if (!strains_good(&w->membrane.smoothed_strains[t]))
-      return image_bad(error, IN_SMOOTHED_STRAINS, t, "strains of -1/2 to 4, shear within 4");
+    if (!stiffness_good(&w->membrane.stiffness[t]))
+      return image_bad(error, IN_STIFFNESS, t,
+                       "strains of -1/2 to 4, shear within 4, stiffness of 0 to 2^18 N/m, 2^28 owed at most");
     if (!bend_good(w, t))
       return image_bad(error, IMAGE_BEND_STATES, t,
-                       "offsets within 0.3, opposite across a side, and habits of 0 to 8");
+                       "offsets within 0.3, opposite across a side, habits of 0 to 8, faded 0 to 1, "
+                       "2^29 owed at most");
     if (s->edge_marks[t] > (world_has_blades(w) ? TRIMESH_MARKS | TRIMESH_PASSING_BLADE : TRIMESH_MARKS))
       return image_bad(error, IN_EDGE_MARKS, t, "two bits a side, and one where meshes cut");
     if (s->material[t] >= (uint32_t)s->params->materials)

@@ -198,8 +198,10 @@ static material_tensor stress_of(const fray_world *w, uint32_t t) {
 #if FRAY_CRACKS
   if (world_is_corotational(w)) return corotational_tension(material->stretch[0], strain);
 #endif
+  const int32_t *const in_use = w->membrane.stiffness[t].c;
   int32_t c[MATERIAL_ENTRIES];
-  material_stiffness(material, w->membrane.smoothed_strains[t].mean[SMOOTHED_STRAIN_POLES - 1], c);
+  if (in_use[0] != 0) return material_stress(in_use, strain);
+  material_stiffness(material, strain, c);
   return material_stress(c, strain);
 }
 

@@ -29,6 +29,8 @@ void membrane_step_end(fray_world *w);
 /* Edges that are nearly as long as they may be: once a substep, and in each step. */
 void edge_limits_find(fray_world *w);
 void edge_limits_solve(fray_world *w, const elastic_step *step);
+void stretch_repay(fray_world *w, const elastic_step *step); /* in the first elastic step of a tick */
+void bend_repay(fray_world *w, const elastic_step *step);
 
 /* Parts of these. */
 void bend_prepare(fray_world *w);       /* of membrane_gains_update(): constants of bending */
@@ -38,18 +40,41 @@ void membrane_force_add(fray_world *w); /* of an elastic step: impulses of stres
 typedef enum { BEND_STEP, BEND_LAST, BEND_MEASURED } bend_step_kind;
 void bend_force_add(fray_world *w, bend_step_kind kind);
 uint32_t bend_folds_find(fray_world *w); /* folds of the mesh; returns the largest row, see bend_folds.c */
-void bend_habit_update(fray_world *w);   /* from the angles of a bending step */
-void bend_offsets_store(fray_world *w);
+plate_view bend_plate_view(const fray_world *w);
+/* In a bending step, Q28. */
+static inline vec3 bend_edge(const elastic_position *place, uint32_t from, uint32_t to) {
+  return vec_clamp_rare(vec_wrap_sub(vec_of(place[to].at), vec_of(place[from].at)), BEND_REACH);
+}
+/* What is left of a triangle, Q30, by |N|^2 in Q56, not below BEND_FLAT, and its sides in Q28. */
+int32_t bend_fade_of(const plate_view *view, uint32_t t, uint64_t squared, const uint32_t length[3]);
+void bend_fade_begin(fray_world *w);         /* where folds or the state are others */
+void bend_fade_follow(fray_world *w);        /* once a tick */
+void bend_press(fray_world *w, uint32_t t);  /* in a bending step; then */
+void bend_folds_hold(fray_world *w);
+void bend_stiffen(fray_world *w, uint32_t first, uint32_t end); /* H of these triangles, by their habits */
+/* Habits and H of an eighth of the triangles, behind membrane_angles_find() or in a bending step; and its H
+ * once more, where a tick is attempted again. */
+void bend_follow(fray_world *w);
+void bend_follow_again(fray_world *w);
+/* Before and behind a change of stiffness; each behind angles are found. */
+void bend_owed_begin(fray_world *w, uint32_t first, uint32_t end);
+void bend_owed_end(fray_world *w, uint32_t first, uint32_t end);
+/* Angles of all triangles' sides in membrane.moments, as of a step that begins here. */
+void membrane_angles_find(fray_world *w);
+void bend_angles_find(fray_world *w); /* a part of it */
+void bend_offsets_store(fray_world *w); /* to the state, and back */
 void bend_offsets_load(fray_world *w);
 
 #if FRAY_ENERGY
 /* Impulses of stress and bending, as of an elastic step that begins here: for the energy ledger. Uses the
  * arrays of the steps, which begin anew. */
 void membrane_impulses_now(fray_world *w);
-/* Angles of all triangles' sides in membrane.moments, in the same way. */
-void membrane_angles_now(fray_world *w);
-void bend_angles_find(fray_world *w); /* a part of it */
 #endif
+
+/* From stiffness to gain, by the triangle's area. */
+int32_t membrane_gain_of(const fray_world *w, uint32_t t);
+/* strain_law_threshold() of a triangle with this stiffness, Q12 N/m. */
+int32_t membrane_threshold_of(const fray_world *w, uint32_t t, const int32_t stiffness[MATERIAL_ENTRIES]);
 
 /* Stiffness that a triangle keeps, Q30 of 0..1: less than 1 where a tear or a cut left it too low for the
  * elastic steps. */

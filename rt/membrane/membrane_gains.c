@@ -44,6 +44,19 @@ static int32_t threshold_of(const fray_world *w, uint32_t t, const int32_t c[MAT
                               (uint32_t)w->membrane.constants->steps);
 }
 
+int32_t membrane_gain_of(const fray_world *w, uint32_t t) {
+  const int32_t area = fx_mul_round((int32_t)w->trimesh.area[t], membrane_softening(w, t), 30);
+  return fx_mul_round(area, w->membrane.constants->force_gain, 30);
+}
+
+int32_t membrane_threshold_of(const fray_world *w, uint32_t t, const int32_t stiffness[MATERIAL_ENTRIES]) {
+  const int32_t gain = membrane_gain_of(w, t);
+  int32_t c[MATERIAL_ENTRIES];
+  for (uint32_t n = 0; n < MATERIAL_ENTRIES; ++n)
+    c[n] = fx_mul_saturated(stiffness[n], gain, (unsigned)w->membrane.constants->force_shift);
+  return threshold_of(w, t, c);
+}
+
 static void update_inverse_masses(fray_world *w) {
   const uint64_t unit = (uint64_t)(uint32_t)w->membrane.constants->mass_unit << ELASTIC_INVERSE_BITS;
   for (uint32_t p = 0; p < w->p.count; ++p) {
@@ -62,9 +75,9 @@ void membrane_gains_update(fray_world *w) {
   for (uint32_t t = 0; t < triangles_in_use(w); ++t) {
     FRAY_ASSERT(s->area[t] > 0 && s->area[t] < TRIMESH_AREA_MAX);
     int32_t *c = w->membrane.gains[t].c;
-    const int32_t *from = is_corotational ? w->membrane.materials[s->material[t]].stretch[0] : c;
-    const int32_t area = fx_mul_round((int32_t)s->area[t], membrane_softening(w, t), 30);
-    const int32_t gain = fx_mul_round(area, w->membrane.constants->force_gain, 30);
+    const int32_t *from =
+        is_corotational ? w->membrane.materials[s->material[t]].stretch[0] : w->membrane.stiffness[t].c;
+    const int32_t gain = membrane_gain_of(w, t);
     for (uint32_t n = 0; n < MATERIAL_ENTRIES; ++n)
       c[n] = fx_mul_saturated(from[n], gain, shift);
     w->membrane.strain_threshold[t] = is_corotational ? STRAIN_LAW_MAX : threshold_of(w, t, c);

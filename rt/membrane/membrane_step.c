@@ -132,12 +132,13 @@ void membrane_impulses_now(fray_world *w) {
   w->work = work;
   w->state->faults = faults;
 }
+#endif
 
-void membrane_angles_now(fray_world *w) {
+void membrane_angles_find(fray_world *w) {
+  FRAY_ASSERT(world_has_membrane(w));
   begin_steps(w);
   bend_angles_find(w);
 }
-#endif
 
 step_view membrane_step_begin(fray_world *w) {
   FRAY_ASSERT(world_has_membrane(w) && w->p.count <= w->capacity[POOL_PARTICLES]);

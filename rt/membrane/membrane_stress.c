@@ -7,10 +7,16 @@
  *   c        stiffness at the smoothed strain (2.59)           Q12 N/m   material_stiffness()
  *   stress   c G (2.60), times membrane_softening(), Q30       Q12 N/m   material_stress()
  *
- * (Karaoz 2015.) Of an isotropic sheet it is T of corotational.h, and c that of its material. Else c stays
- * in `gains` until membrane_gains_update() makes gains of it, with which membrane_force.c computes the force
- * in each elastic step. */
+ * (Karaoz 2015.) Of an isotropic sheet it is T of corotational.h, and c that of its material. Of c
+ * membrane_gains_update() makes gains, with which membrane_force.c computes the force in each elastic
+ * step.
+ *
+ * A c that follows the strain changes the energy of a triangle without work. So it rises slowly: in a tick
+ * it adds at most what it took before, or a part of the energy, e-fold in the 64 ms in which strains are
+ * smoothed. What it has added is `owed`, until stretch_repay.c takes it from the motion that it has become,
+ * and does not count as energy until then. */
 #include "rt/membrane/membrane.h"
+#include "rt/membrane/strain_law.h"
 #include "rt/simd/simd.h"
 #include "rt/state/corotational.h"
 #include "rt/state/deformation.h"
@@ -22,11 +28,56 @@ static void lowpass(material_tensor *mean, material_tensor to, unsigned shift) {
 }
 
 /* Returns the strain that c goes by. */
-static material_tensor smooth_strain(smoothed_strain *s, material_tensor strain, unsigned shift) {
+static material_tensor smooth_strain(stiffness_state *s, material_tensor strain, unsigned shift) {
   if (shift == 0) return strain;
   for (uint32_t n = 0; n < SMOOTHED_STRAIN_POLES; ++n)
     lowpass(&s->mean[n], n == 0 ? strain : s->mean[n - 1u], shift);
   return s->mean[SMOOTHED_STRAIN_POLES - 1];
+}
+
+/* A strain, and what is needed for its energies. */
+typedef struct {
+  material_tensor strain;
+  int is_beyond; /* the threshold of strain_law.h, by the c in use */
+} triangle_strain;
+
+static int32_t energy_by(const fray_world *w, uint32_t t, const int32_t c[MATERIAL_ENTRIES],
+                         const triangle_strain *s) {
+  material_tensor counted = s->strain;
+  if (s->is_beyond)
+    (void)strain_law_stress(c, s->strain, membrane_threshold_of(w, t, c), &counted);
+  return material_energy(material_stress(c, counted), counted, (unsigned)w->membrane.constants->energy_shift);
+}
+
+/* As far as it may rise in a tick. */
+static void go_towards(int32_t c[MATERIAL_ENTRIES], const int32_t target[MATERIAL_ENTRIES], int32_t rise,
+                       int32_t room) {
+  const int32_t part =
+      rise <= room ? 1 << 30 : (int32_t)fx_divide_wide((uint64_t)(uint32_t)room << 30, (uint32_t)rise);
+  for (uint32_t n = 0; n < MATERIAL_ENTRIES; ++n)
+    c[n] = part == 1 << 30 ? target[n] : c[n] + fx_mul_round(target[n] - c[n], part, 30);
+}
+
+static void follow(const fray_world *w, uint32_t t, material_tensor strain) {
+  stiffness_state *s = &w->membrane.stiffness[t];
+  const material_table *f = &w->membrane.materials[w->trimesh.material[t]];
+  const unsigned shift = (unsigned)w->membrane.constants->smoothing_shift;
+  const int32_t before = w->membrane.strain_threshold[t];
+  const int32_t threshold = before != 0 ? before : membrane_threshold_of(w, t, s->c);
+  const triangle_strain k = {strain, strain_law_may_apply(strain, threshold)};
+  int32_t target[MATERIAL_ENTRIES];
+  material_stiffness(f, smooth_strain(s, strain, shift), target);
+  if (s->c[0] == 0) {
+    go_towards(s->c, target, 0, 0);
+    return;
+  }
+  const int32_t was = energy_by(w, t, s->c, &k);
+  const int32_t slowly = fx_max(was >> shift, MATERIAL_ENERGY_LEAST);
+  const int32_t would = energy_by(w, t, target, &k);
+  const int32_t rise = would < MATERIAL_ENERGY_MAX ? would - was : INT32_MAX;
+  go_towards(s->c, target, rise, fx_max(-s->owed, slowly));
+  const int32_t now = energy_by(w, t, s->c, &k);
+  s->owed = fx_clamp(s->owed + now - was, -now, MATERIAL_ENERGY_MAX);
 }
 
 static void soften(material_tensor *stress, int32_t softening) {
@@ -53,14 +104,10 @@ static void stress_triangle(const fray_world *w, uint32_t t) {
   FRAY_ASSERT(w->trimesh.area[t] > 0 && w->trimesh.material[t] < w->trimesh.params->materials);
   const deformation d = deformation_of(w, t);
   const material_tensor strain = material_strain(d.u, d.v);
-  const int32_t softening = membrane_softening(w, t);
-  int32_t *c = w->membrane.gains[t].c;
   material_tensor *stress = &w->membrane.stress[t];
-  const unsigned shift = (unsigned)w->membrane.constants->smoothing_shift;
-  material_stiffness(&w->membrane.materials[w->trimesh.material[t]],
-                     smooth_strain(&w->membrane.smoothed_strains[t], strain, shift), c);
-  *stress = material_stress(c, strain);
-  soften(stress, softening);
+  follow(w, t, strain);
+  *stress = material_stress(w->membrane.stiffness[t].c, strain);
+  soften(stress, membrane_softening(w, t));
 }
 
 void membrane_stress_find(fray_world *w, uint32_t first, uint32_t end) {
@@ -68,8 +115,9 @@ void membrane_stress_find(fray_world *w, uint32_t first, uint32_t end) {
   const trimesh *s = &w->trimesh;
   const membrane_params *c = w->membrane.constants;
   const stress_view view = {{w->p.x, w->p.y, w->p.z}, s->triangle, s->weights, w->membrane.materials,
-                            s->material, (unsigned)c->smoothing_shift, c->norm2_max,
-                            w->membrane.smoothed_strains, w->membrane.gains, w->membrane.stress};
+                            s->material, (unsigned)c->smoothing_shift, (unsigned)c->energy_shift,
+                            c->norm2_max, w->membrane.strain_threshold, w->membrane.stiffness,
+                            w->membrane.stress};
   const int is_corotational = world_is_corotational(w);
   uint32_t left = SIMD_LEFT;
   for (uint32_t t = first; t < end;) {

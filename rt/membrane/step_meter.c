@@ -44,8 +44,9 @@ static void add_row(fray_world *w, wide_number *row, wide_number work) {
 static int32_t axis_of(const elastic_impulse *a, uint32_t n) { return n == 0 ? a->x : n == 1 ? a->y : a->z; }
 
 /* The stage behind which mark n + 1 is. */
-static const fray_energy_stage marked_stage[STEP_MARKS] = {FRAY_ENERGY_SELF_COLLISION, FRAY_ENERGY_LIMITS,
-                                                           FRAY_ENERGY_CONTACT, FRAY_ENERGY_SELF_COLLISION};
+static const fray_energy_stage marked_stage[STEP_MARKS] = {FRAY_ENERGY_SELF_COLLISION, FRAY_ENERGY_STEPS,
+                                                           FRAY_ENERGY_LIMITS, FRAY_ENERGY_CONTACT,
+                                                           FRAY_ENERGY_SELF_COLLISION};
 
 static void meter_stages(fray_world *w, const step_view *k, uint32_t p, uint32_t n, const metered_axis *a) {
   const metered_impulse *m = &w->membrane.metered_impulses[p];

@@ -11,7 +11,8 @@ void step_meter_mark_add(fray_world *w, uint32_t mark);
 void step_meter_add(fray_world *w, const step_view *view);
 #endif
 
-/* In a step: behind its forces (0), limits of edges (1), contact (2) and self-collision (STEP_MARKS). */
+/* In a step: behind its forces (0), zones (1), repayment (2), limits of edges (3), contact (4) and
+ * self-collision (STEP_MARKS). */
 static inline void step_meter_mark(fray_world *w, uint32_t mark) {
 #if FRAY_ENERGY
   if (__builtin_expect(w->energy.watched && w->energy.begun, 0)) step_meter_mark_add(w, mark);

@@ -19,7 +19,7 @@
 enum { MASS_MAX = 1 << 24, MASS_BITS = VERTEX_MASS_BITS };
 
 static int has_zones(const fray_world *w) {
-  return world_has_triangle_collision(w) && w->attempt.begin->has_zones != 0;
+  return world_has_triangle_collision(w) && w->attempt.begin->joined_any != 0;
 }
 
 static int32_t mass_of(const vertex_mass_scale *scale, uint32_t p) {
@@ -44,9 +44,7 @@ static void find_members(fray_world *w, const vertex_mass_scale *scale, uint32_t
 void impact_zone_steps_begin(fray_world *w) {
   static const self_zone empty = {{0, 0, 0}, 0, {0, 0, 0}, {0, 0, 0}, 0, 0, 0, STEP_NO_BODY};
   const vertex_mass_scale scale = vertex_mass_scale_of(w);
-  FRAY_ASSERT(world_has_triangle_collision(w));
-  w->attempt.begin->has_zones = w->attempt.begin->joined_any;
-  if (w->attempt.begin->has_zones == 0) return;
+  if (!has_zones(w)) return;
   for (uint32_t p = 0; p < w->p.count; ++p) w->self.zones[p] = empty;
   for (uint32_t p = 0; p < w->p.count; ++p) find_members(w, &scale, p);
   for (uint32_t p = 0; p < w->p.count; ++p) {
@@ -82,19 +80,24 @@ static vec3 of_body(const fray_world *w, uint32_t b, zone_quantity q) {
   return q == ZONE_VELOCITY ? step_body_velocity(w, b) : step_body_half_of(w, b);
 }
 
-/* By masses, as seen from its body. */
-static void sum_vertices(fray_world *w, const elastic_step *step, zone_quantity q) {
-  const vertex_mass_scale scale = vertex_mass_scale_of(w);
-  for (uint32_t p = 0; p < w->p.count; ++p)
-    w->self.zones[p].sum[0] = w->self.zones[p].sum[1] = w->self.zones[p].sum[2] = 0;
-  for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
-    self_zone *z = &w->self.zones[w->attempt.vertices[p].joined];
-    const vec3 v = vec_sub_saturated(of_vertex(w, p, step, q), of_body(w, z->held, q));
-    const int32_t mass = mass_of(&scale, p);
-    z->sum[0] += fx_round64(fx_mul_wide(v.x, mass), MASS_BITS);
-    z->sum[1] += fx_round64(fx_mul_wide(v.y, mass), MASS_BITS);
-    z->sum[2] += fx_round64(fx_mul_wide(v.z, mass), MASS_BITS);
-  }
+/* Which zones. */
+typedef enum {
+  ALL_ZONES,
+  FREE_BODIES_ZONES /* these bodies take impulses alone, and their zones follow */
+} zone_choice;
+
+static int is_chosen(const fray_world *w, const self_zone *z, zone_choice of) {
+  if (of == ALL_ZONES) return z->whole != 0;
+  return z->whole != 0 && z->held != STEP_NO_BODY && !body_is_driven(&w->rigid.bodies[z->held]);
+}
+
+/* Adds a vertex to its zone, as seen from the zone's body. */
+static void sum_vertex(fray_world *w, self_zone *z, uint32_t p, int32_t mass, const elastic_step *step,
+                       zone_quantity q) {
+  const vec3 v = vec_sub_saturated(of_vertex(w, p, step, q), of_body(w, z->held, q));
+  z->sum[0] += fx_round64(fx_mul_wide(v.x, mass), MASS_BITS);
+  z->sum[1] += fx_round64(fx_mul_wide(v.y, mass), MASS_BITS);
+  z->sum[2] += fx_round64(fx_mul_wide(v.z, mass), MASS_BITS);
 }
 
 /* Sum over mass, Q28 over Q16. */
@@ -119,18 +122,16 @@ static void find_mean(const fray_world *w, self_zone *z, zone_quantity q) {
   }
 }
 
-static void find_means(fray_world *w, const elastic_step *step, zone_quantity q) {
-  sum_vertices(w, step, q);
+static void find_means(fray_world *w, const elastic_step *step, zone_quantity q, zone_choice of) {
+  const vertex_mass_scale scale = vertex_mass_scale_of(w);
   for (uint32_t p = 0; p < w->p.count; ++p)
-    if (w->self.zones[p].whole != 0) find_mean(w, &w->self.zones[p], q);
-}
-
-/* A free body that holds a zone has been pushed without it. */
-static void follow_bodies(fray_world *w, const elastic_step *step) {
-  sum_vertices(w, step, ZONE_VELOCITY);
+    w->self.zones[p].sum[0] = w->self.zones[p].sum[1] = w->self.zones[p].sum[2] = 0;
+  for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
+    self_zone *z = &w->self.zones[w->attempt.vertices[p].joined];
+    if (is_chosen(w, z, of)) sum_vertex(w, z, p, mass_of(&scale, p), step, q);
+  }
   for (uint32_t p = 0; p < w->p.count; ++p)
-    if (w->self.zones[p].whole != 0 && w->self.zones[p].held != STEP_NO_BODY)
-      find_mean(w, &w->self.zones[p], ZONE_VELOCITY);
+    if (is_chosen(w, &w->self.zones[p], of)) find_mean(w, &w->self.zones[p], q);
 }
 
 /* ---- a step ---- */
@@ -162,14 +163,14 @@ static void push_vertices(fray_world *w, const elastic_step *step) {
 
 void impact_zone_steps_hold(fray_world *w, const elastic_step *step) {
   if (!has_zones(w)) return;
-  find_means(w, step, ZONE_FORCED);
-  find_means(w, step, ZONE_VELOCITY);
+  find_means(w, step, ZONE_FORCED, ALL_ZONES);
+  find_means(w, step, ZONE_VELOCITY, ALL_ZONES);
   push_vertices(w, step);
 }
 
 void impact_zone_steps_share(fray_world *w, const elastic_step *step) {
   if (!has_zones(w)) return;
-  follow_bodies(w, step);
+  find_means(w, step, ZONE_VELOCITY, FREE_BODIES_ZONES);
   push_vertices(w, step);
 }
 
@@ -190,15 +191,32 @@ static void set_velocity(fray_world *w, uint32_t p, vec3 velocity) {
   world_set_velocity(w, p, clamped);
 }
 
+/* Half of what the forces change of a vertex itself, whatever its zone has. */
+static vec3 own_half_of(const fray_world *w, uint32_t p, const elastic_step *last) {
+  return particle_is_attached(w, p) ? step_body_half_of(w, w->p.attach_body[p])
+                                    : step_vertex_half_of(w, p, last);
+}
+
+/* Where it ends, a zone gives each vertex its own half again. By masses that adds up to nothing; where a body
+ * holds the zone, the body has the rest. */
+static void part_from_body(fray_world *w, uint32_t p, vec3 half, const elastic_step *last) {
+  const self_zone *z = step_zone_of(w, p);
+  const int32_t inverse = w->membrane.inverse_mass[p];
+  if (z == NULL || z->held == STEP_NO_BODY || inverse == 0) return;
+  step_push_body(w, z->held, impulse_for(vec_sub_saturated(half, own_half_of(w, p, last)), inverse));
+}
+
 void impact_zone_steps_ahead(fray_world *w) {
   const elastic_step last = last_step_of(w);
-  for (uint32_t p = 0; p < w->p.count; ++p)
-    set_velocity(w, p, vec_add_clamped(world_velocity(w, p), step_half_of(w, p, &last), INT32_MAX));
-  w->attempt.begin->has_zones = 0;
+  for (uint32_t p = 0; p < w->p.count; ++p) {
+    const vec3 half = step_half_of(w, p, &last);
+    set_velocity(w, p, vec_add_clamped(world_velocity(w, p), half, INT32_MAX));
+    if (!particle_is_attached(w, p)) part_from_body(w, p, half, &last);
+  }
 }
 
 void impact_zone_steps_back(fray_world *w) {
   const elastic_step last = last_step_of(w);
   for (uint32_t p = 0; p < w->p.count; ++p)
-    set_velocity(w, p, vec_sub_saturated(world_velocity(w, p), step_half_of(w, p, &last)));
+    set_velocity(w, p, vec_sub_saturated(world_velocity(w, p), own_half_of(w, p, &last)));
 }

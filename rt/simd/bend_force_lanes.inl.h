@@ -28,8 +28,7 @@ LANES_INLINE void bend_force_lanes_scatter(const bend_view *v, const uint32_t *p
 
 LANES_INLINE int bend_normals_lanes_group(const bend_view *v, uint32_t first, uint32_t count) {
   uint32_t id[3][LANES];
-  lanes at[3][4], d1[3], d2[3], normal[3], unit[4];
-  lane_mask flat = mask_none();
+  lanes at[3][4], d1[3], d2[3], normal[3], unit[4], m;
   if (count < (uint32_t)LANES) return 0;
   for (uint32_t n = 0; n < (uint32_t)LANES; ++n)
     for (uint32_t k = 0; k < 3; ++k) id[k][n] = v->triangle[first + n].v[k];
@@ -41,11 +40,14 @@ LANES_INLINE int bend_normals_lanes_group(const bend_view *v, uint32_t first, ui
     d2[n] = lanes_clamp(lanes_sub(at[2][n], at[0][n]), BEND_REACH);
   }
   lanes64_cross(d1, d2, 28, normal);
-  (void)lanes_direction(normal, BEND_FLAT, unit, &flat);
-  unit[3] = lanes_set(1);
-  const lane_mask valid = mask_and_not(lanes_greater(lanes_set(1), lanes_set(0)), flat);
+  const lanes64 squared = lanes64_dot(normal, normal);
+  const lanes least = lanes_load(bend_plate(v, PLATE_AREA_MIN) + first);
+  const lane_mask small = lanes_greater(least, lanes64_low(lanes64_shr(squared, BEND_AREA_DOWN)));
+  if (mask_bits(mask_or(small, lanes64_less(squared, BEND_FLAT))) != 0) return 0;
+  const lanes_root root = lanes_rsqrt(squared, &m);
   LANES_UNROLL
-  for (int n = 0; n < 4; ++n) unit[n] = lanes_or_zero(valid, unit[n]);
+  for (int n = 0; n < 3; ++n) unit[n] = lanes_unit(root, normal[n]);
+  unit[3] = lanes_add(lanes_and(lanes_asr(root.inverse, 1), lanes_set(INT32_MAX & ~BEND_EXPONENT)), root.h);
   record_lanes_store(v->normal[first].n, unit);
   return 1;
 }
@@ -86,7 +88,7 @@ LANES_INLINE int bend_folds_lanes_group(const bend_view *v, uint32_t first, uint
   const lanes64 squared = lanes64_dot(off, off);
   const lanes size = bend_force_lanes_angle(lanes64_root_length(squared));
   const lane_mask folded =
-      mask_and_not(lanes_greater(lanes_and(n1[3], n2[3]), lanes_set(0)), lanes64_less(squared, 1));
+      mask_and_not(lanes_greater(lanes_min(n1[3], n2[3]), lanes_set(0)), lanes64_less(squared, 1));
   const lane_mask down = lanes64_less(lanes64_dot(up, n1), 1 << 29); /* rounded, it is not above zero */
   const lanes angle = lanes_or_zero(folded, lanes_select(down, lanes_sub(lanes_set(0), size), size));
   const lanes held = bend_force_lanes_mul30(angle, lanes_load(bend_fold(v, FOLD_HOLD) + first));
@@ -140,29 +142,61 @@ LANES_INLINE int bend_joints_lanes_group(const bend_view *v, uint32_t first, uin
   return 1;
 }
 
-/* The impulse along the normal of corner 1 or 2, whose columns begin at g. */
-LANES_INLINE lanes bend_force_lanes_corner(const bend_view *v, uint32_t first, const lanes m[4], uint32_t g,
-                                           lanes64 *far) {
-  const lanes by[3] = {lanes_load(bend_plate(v, g) + first), lanes_load(bend_plate(v, g + 2u) + first),
-                       lanes_load(bend_plate(v, g + 4u) + first)};
-  const lanes64 sum = lanes64_dot(m, by);
-  *far = lanes64_or_size(*far, sum);
-  return lanes_clamp(lanes64_round(sum, v->impulse_shift), BEND_MAX);
+/* Along the normal, of the corner opposite e. */
+LANES_INLINE lanes bend_force_lanes_corner(const lanes e[3], const lanes torque[3], lanes per_area,
+                                           lanes down, lanes64 *far_dot, lanes64 *far_impulse) {
+  const lanes64 dot = lanes64_dot(e, torque);
+  *far_dot = lanes64_or_size(*far_dot, dot);
+  const lanes along = lanes64_round(dot, 28);
+  const lanes64 product = lanes64_shr_by(lanes64_mul_u(lanes_abs(along), per_area), down);
+  const lanes64 impulse = lanes64_shr(lanes64_add(product, lanes64_set(1)), 1);
+  *far_impulse = lanes64_or(*far_impulse, impulse);
+  const lanes size = lanes_min(lanes64_low(impulse), lanes_set(BEND_MAX));
+  return lanes_sub(lanes_set(0), lanes_copy_sign(size, along));
 }
 
 LANES_INLINE int bend_corners_lanes_group(const bend_view *v, uint32_t first, uint32_t count) {
   uint32_t at[LANES], id[3][LANES];
-  lanes m[4], normal[4], none[4], one[4], two[4];
+  lanes place[3][4], e[3][3], m[4], per_length[3], torque[3], normal[4], none[4], one[4], two[4];
   lanes64 far = lanes64_set(0);
-  if (count < (uint32_t)LANES || v->impulse_shift > 32) return 0;
+  lanes64 far_torque = lanes64_set(0);
+  lanes64 far_dot = lanes64_set(0);
+  lanes64 far_impulse = lanes64_set(0);
+  if (count < (uint32_t)LANES || v->impulse_shift < -8 || v->impulse_shift > 31) return 0;
   bend_force_lanes_row(first, at);
   record_lanes_load(v->moment->side, 4, at, m);
-  const lanes j1 = bend_force_lanes_corner(v, first, m, PLATE_G01, &far);
-  const lanes j2 = bend_force_lanes_corner(v, first, m, PLATE_G02, &far);
-  if (lanes64_any_beyond(far, v->impulse_shift + BEND_FORCE_LANES_BITS)) return 0;
   record_lanes_load(v->normal->n, 4, at, normal);
   for (uint32_t n = 0; n < (uint32_t)LANES; ++n)
     for (uint32_t k = 0; k < 3; ++k) id[k][n] = v->triangle[first + n].v[k];
+  LANES_UNROLL
+  for (int k = 0; k < 3; ++k) {
+    const lanes64 product =
+        lanes64_mul(m[k], lanes_load(bend_plate(v, PLATE_PER_LENGTH_0 + (uint32_t)k) + first));
+    far = lanes64_or_size(far, product);
+    per_length[k] = lanes64_round(product, BEND_PER_LENGTH_LESS);
+    record_lanes_load(v->place->at, 4, id[k], place[k]);
+  }
+  if (lanes64_any_beyond(far, BEND_PER_LENGTH_LESS + BEND_FORCE_LANES_BITS)) return 0;
+  LANES_UNROLL
+  for (int n = 0; n < 3; ++n) {
+    const lanes d2 = lanes_clamp(lanes_sub(place[2][n], place[0][n]), BEND_REACH);
+    e[2][n] = lanes_clamp(lanes_sub(place[1][n], place[0][n]), BEND_REACH);
+    e[0][n] = lanes_sub(d2, e[2][n]);
+    e[1][n] = lanes_sub(lanes_set(0), d2);
+    const lanes along[3] = {e[0][n], e[1][n], e[2][n]};
+    const lanes64 sum = lanes64_dot(along, per_length);
+    far_torque = lanes64_or_size(far_torque, sum);
+    torque[n] = lanes64_round(sum, BEND_TORQUE_LESS);
+  }
+  if (lanes64_any_beyond(far_torque, BEND_TORQUE_LESS + BEND_FORCE_LANES_BITS)) return 0;
+  const lanes per_area = lanes_and(normal[3], lanes_set(~BEND_EXPONENT));
+  const lanes down =
+      lanes_add(lanes_and(normal[3], lanes_set(BEND_EXPONENT)), lanes_set(v->impulse_shift - 1));
+  if (mask_bits(lanes_greater(lanes_set(0), down)) != 0) return 0;
+  const lanes j1 = bend_force_lanes_corner(e[1], torque, per_area, down, &far_dot, &far_impulse);
+  const lanes j2 = bend_force_lanes_corner(e[2], torque, per_area, down, &far_dot, &far_impulse);
+  if (lanes64_any_beyond(far_dot, 28 + BEND_FORCE_LANES_BITS) || lanes64_any_beyond(far_impulse, 31))
+    return 0;
   LANES_UNROLL
   for (int n = 0; n < 3; ++n) {
     one[n] = lanes_scale_unit(normal[n], j1);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Scalar twin: rt/membrane/bend_prepare.c, same order of operations. What bending steps multiply by, LANES
- * triangles at a time. Groups with a triangle without area, pressed together or thin, or a value to be
- * clamped, and the last ones, fewer than LANES, are left to the scalar code. */
+/* Scalar twins: rt/membrane/bend_prepare.c and bend_stiffness.c, same order of operations. What bending
+ * steps multiply by, LANES triangles at a time. Groups with a triangle without area, pressed together or
+ * thin, or a value to be clamped, and the last ones, fewer than LANES, are left to the scalar code. */
 #ifndef FRAY_SIMD_BEND_PREPARE_LANES_INL_H
 #define FRAY_SIMD_BEND_PREPARE_LANES_INL_H
 
@@ -9,7 +9,7 @@
 #include "rt/simd/record_lanes.inl.h"
 
 #ifdef LANES_HAVE_64
-enum { BEND_PREPARE_LANES_DOT = 58, BEND_PREPARE_LANES_ENTRY = 55, BEND_PREPARE_LANES_LONG = 31 };
+enum { BEND_PREPARE_LANES_ENTRY = 55 };
 
 /* C at the habit of the curvature. */
 LANES_INLINE void bend_prepare_lanes_stiffness(const plate_view *v, uint32_t first, lanes c[3]) {
@@ -62,22 +62,7 @@ LANES_INLINE int bend_stiffness_lanes_group(const plate_view *v, uint32_t first,
   return 1;
 }
 
-/* fx_root_over(), of lanes that come to less than 2^31: others join `far`. */
-LANES_INLINE lanes bend_prepare_lanes_over(lanes_root root, lanes size, unsigned bits, lanes64 *far) {
-  const lanes64 product = lanes64_shr_by(lanes64_mul_u(lanes_abs(size), root.inverse),
-                                         lanes_add(root.h, lanes_set(30 - (int32_t)bits)));
-  const lanes64 over = lanes64_shr(lanes64_add(product, lanes64_set(1)), 1);
-  *far = lanes64_or(*far, over);
-  return lanes_copy_sign(lanes64_low(over), size);
-}
-
-LANES_INLINE lanes bend_prepare_lanes_dot(const lanes a[3], const lanes b[3], lanes64 *far) {
-  const lanes64 dot = lanes64_dot(a, b);
-  *far = lanes64_or_size(*far, dot);
-  return lanes64_round(dot, 28);
-}
-
-/* Whether one of them is drawn thin. */
+/* Whether one of them is drawn thin: bend_fade_by_height() of its heights. */
 LANES_INLINE int bend_prepare_lanes_thin(const plate_view *v, uint32_t first, lanes normal,
                                          const lanes length[3]) {
   int32_t high[LANES], along[3][LANES];
@@ -94,49 +79,40 @@ LANES_INLINE int bend_prepare_lanes_thin(const plate_view *v, uint32_t first, la
 
 LANES_INLINE int bend_geometry_lanes_group(const plate_view *v, uint32_t first, uint32_t count) {
   uint32_t id[3][LANES];
-  lanes e0[3], e1[3], e2[3], d2[3], normal[3], m, m0, m1, m2;
-  lanes64 dots = lanes64_set(0);
-  lanes64 far = lanes64_set(0);
+  lanes e[3][3], d2[3], normal[3], length[3], per_length[3], m;
+  int is_short = 0;
   if (count < (uint32_t)LANES) return 0;
   for (uint32_t n = 0; n < (uint32_t)LANES; ++n)
     for (uint32_t k = 0; k < 3; ++k) id[k][n] = v->triangle[first + n].v[k];
   LANES_UNROLL
   for (int n = 0; n < 3; ++n) {
-    e2[n] = lanes_shl(lanes_difference(v->at[n], id[0], id[1], BEND_REACH / 16), 4);
+    e[2][n] = lanes_shl(lanes_difference(v->at[n], id[0], id[1], BEND_REACH / 16), 4);
     d2[n] = lanes_shl(lanes_difference(v->at[n], id[0], id[2], BEND_REACH / 16), 4);
-    e0[n] = lanes_sub(d2[n], e2[n]);
-    e1[n] = lanes_sub(lanes_set(0), d2[n]);
+    e[0][n] = lanes_sub(d2[n], e[2][n]);
+    e[1][n] = lanes_sub(lanes_set(0), d2[n]);
   }
-  lanes64_cross(e2, d2, 28, normal);
+  lanes64_cross(e[2], d2, 28, normal);
   const lanes64 squared = lanes64_dot(normal, normal);
   if (mask_bits(lanes64_less(squared, BEND_FLAT)) != 0) return 0;
   const lanes_root over = lanes_rsqrt(squared, &m);
+  const lanes high = lanes_root_length(over, m);
   const lanes area = lanes_load((const int32_t *)(const void *)(v->area + first));
   const lanes pressed = lanes_asr(lanes_add(area, lanes_set(3)), 2); /* Q28, of half of it */
-  if (mask_bits(lanes_greater(pressed, lanes_root_length(over, m))) != 0) return 0;
-  const lanes_root r0 = lanes_rsqrt(lanes64_dot(e0, e0), &m0);
-  const lanes_root r1 = lanes_rsqrt(lanes64_dot(e1, e1), &m1);
-  const lanes_root r2 = lanes_rsqrt(lanes64_dot(e2, e2), &m2);
-  const lanes length[3] = {lanes_root_length(r0, m0), lanes_root_length(r1, m1),
-                           lanes_root_length(r2, m2)};
-  if (bend_prepare_lanes_thin(v, first, lanes_root_length(over, m), length)) return 0;
-  const lanes e01 = bend_prepare_lanes_dot(e0, e1, &dots);
-  const lanes e02 = bend_prepare_lanes_dot(e0, e2, &dots);
-  const lanes e12 = bend_prepare_lanes_dot(e1, e2, &dots);
-  const lanes along[6] = {bend_prepare_lanes_over(r0, e01, 28, &far),
-                          bend_prepare_lanes_over(r0, e02, 28, &far),
-                          length[1],
-                          bend_prepare_lanes_over(r1, e12, 28, &far),
-                          bend_prepare_lanes_over(r2, e12, 28, &far),
-                          length[2]};
-  lanes g[6];
+  if (mask_bits(lanes_greater(pressed, high)) != 0) return 0;
   LANES_UNROLL
-  for (int n = 0; n < 6; ++n)
-    g[n] = lanes_sub(lanes_set(0), bend_prepare_lanes_over(over, along[n], 16, &far));
-  if (lanes64_any_beyond(dots, BEND_PREPARE_LANES_DOT) || lanes64_any_beyond(far, BEND_PREPARE_LANES_LONG))
-    return 0;
+  for (int k = 0; k < 3; ++k) {
+    const lanes_root root = lanes_rsqrt(lanes64_dot(e[k], e[k]), &m);
+    const lanes down = lanes_add(root.h, lanes_set(31 - 28 - BEND_PER_LENGTH_BITS));
+    is_short |= mask_bits(lanes_greater(lanes_set(1), down)) != 0;
+    length[k] = lanes_root_length(root, m);
+    per_length[k] = lanes64_low(lanes64_shr_by(lanes64_mul_u(root.inverse, lanes_set(1)), down));
+  }
+  if (is_short || bend_prepare_lanes_thin(v, first, high, length)) return 0;
   LANES_UNROLL
-  for (int n = 0; n < 6; ++n) lanes_store(v->plates + (PLATE_G01 + (uint32_t)n) * v->stride + first, g[n]);
+  for (int k = 0; k < 3; ++k)
+    lanes_store(v->plates + (PLATE_PER_LENGTH_0 + (uint32_t)k) * v->stride + first, per_length[k]);
+  const lanes least = lanes64_low(lanes64_shr(squared, BEND_AREA_DOWN + 4));
+  lanes_store(v->plates + PLATE_AREA_MIN * v->stride + first, lanes_add(least, lanes_shl(least, 3)));
   lanes_store(v->plates + PLATE_FADE * v->stride + first, lanes_set(BEND_ONE));
   return 1;
 }

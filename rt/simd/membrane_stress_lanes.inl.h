@@ -11,7 +11,11 @@
 #include "rt/state/deformation.h"
 
 #ifdef LANES_HAVE_64
-enum { MEMBRANE_STRESS_LANES_STRAIN = 27, MEMBRANE_STRESS_LANES_STRESS = 58 };
+enum {
+  MEMBRANE_STRESS_LANES_STRAIN = 27,
+  MEMBRANE_STRESS_LANES_STRESS = 58,
+  MEMBRANE_STRESS_LANES_ENERGY = 27
+};
 
 typedef struct {
   uint32_t of[LANES];
@@ -80,10 +84,10 @@ LANES_INLINE lanes membrane_stress_lanes_lowpass(lanes mean, lanes to, unsigned 
 /* Low-pass filters the strain in place, pole by pole; new states go to poles. */
 LANES_INLINE void membrane_stress_lanes_smooth(const stress_view *v, const membrane_stress_lanes *s,
                                                lanes strain[3], lanes poles[SMOOTHED_STRAIN_POLES][3]) {
-  const int32_t *from = &v->smoothed_strains->mean[0].uu;
+  const int32_t *from = &v->stiffness->mean[0].uu;
   lanes low[4], high[4];
-  record_lanes_load(from, SMOOTHED_STRAIN_WORDS, s->of, low);
-  record_lanes_load(from + 2, SMOOTHED_STRAIN_WORDS, s->of, high);
+  record_lanes_load(from, STIFFNESS_STATE_WORDS, s->of, low);
+  record_lanes_load(from + 2, STIFFNESS_STATE_WORDS, s->of, high);
   const unsigned shift = v->smoothing_shift;
   const lanes means[SMOOTHED_STRAIN_POLES][3] = {{low[0], low[1], low[2]}, {low[3], high[2], high[3]}};
   LANES_UNROLL
@@ -188,26 +192,69 @@ LANES_INLINE void membrane_stress_lanes_store(int32_t *to, uint32_t words, const
     for (uint32_t k = 0; k < 3; ++k) to[words * n + k] = kept[k][n];
 }
 
+/* Stress, and material_energy() of it. Returns 0 where they are too large for lanes. */
+LANES_INLINE int membrane_stress_lanes_energy(const stress_view *v, const lanes c[4],
+                                              const membrane_stress_lanes *s, lanes stress[3],
+                                              lanes *energy) {
+  const lanes strain[3] = {s->uu, s->vv, s->uv};
+  const lanes64 shear = lanes64_mul(c[3], s->uv);
+  lanes64 far = lanes64_or_size(lanes64_set(0), shear);
+  stress[0] = lanes_dot2(&far, c[0], s->uu, c[1], s->vv, STRAIN_BITS);
+  stress[1] = lanes_dot2(&far, c[1], s->uu, c[2], s->vv, STRAIN_BITS);
+  stress[2] = lanes64_round(shear, STRAIN_BITS);
+  const lanes64 sum = lanes64_dot(stress, strain);
+  *energy = lanes64_round(sum, v->energy_shift);
+  return !lanes64_any_beyond(far, MEMBRANE_STRESS_LANES_STRESS) &&
+         !lanes64_any_beyond(lanes64_or_size(lanes64_set(0), sum),
+                             v->energy_shift + MEMBRANE_STRESS_LANES_ENERGY);
+}
+
+/* Whether the law of strain_law.h may apply to one of them. */
+LANES_INLINE int membrane_stress_lanes_beyond(const stress_view *v, uint32_t first,
+                                              const membrane_stress_lanes *s) {
+  const lanes size = lanes_add(lanes_max(s->uu, s->vv), lanes_asr(lanes_abs(s->uv), 1));
+  return mask_bits(lanes_greater(size, lanes_load(v->strain_threshold + first))) != 0;
+}
+
 LANES_INLINE int membrane_stress_lanes_group(const stress_view *v, uint32_t first) {
   membrane_stress_lanes s;
-  lanes c[4], poles[SMOOTHED_STRAIN_POLES][3];
+  lanes c[4], target[4], rest[4], stress[3], was, full, now, poles[SMOOTHED_STRAIN_POLES][3];
   if (!membrane_stress_lanes_strain(v, first, MEMBRANE_STRESS_LANES_STRAIN + STRAIN_BITS, &s)) return 0;
+  if (membrane_stress_lanes_beyond(v, first, &s)) return 0;
   lanes strain[3] = {s.uu, s.vv, s.uv};
   membrane_stress_lanes_smooth(v, &s, strain, poles);
   if (!membrane_stress_lanes_look_up(&s, strain)) return 0;
-  membrane_stress_lanes_stiffness(v, &s, c);
-  const lanes64 shear = lanes64_mul(c[3], s.uv);
-  lanes64 far = lanes64_or_size(lanes64_set(0), shear);
-  const lanes uu = lanes_dot2(&far, c[0], s.uu, c[1], s.vv, STRAIN_BITS);
-  const lanes vv = lanes_dot2(&far, c[1], s.uu, c[2], s.vv, STRAIN_BITS);
-  const lanes stress[3] = {uu, vv, lanes64_round(shear, STRAIN_BITS)};
-  if (lanes64_any_beyond(far, MEMBRANE_STRESS_LANES_STRESS)) return 0;
-  smoothed_strain *smoothed = &v->smoothed_strains[first];
-  record_lanes_store(v->gains[first].c, c);
-  membrane_stress_lanes_store((int32_t *)&v->stress[first], sizeof(material_tensor) / 4,
-                              stress);
+  membrane_stress_lanes_stiffness(v, &s, target);
+  record_lanes_load(v->stiffness->c, STIFFNESS_STATE_WORDS, s.of, c);
+  record_lanes_load(v->stiffness->c + 1, STIFFNESS_STATE_WORDS, s.of, rest);
+  if (mask_bits(lanes_greater(lanes_set(1), c[0])) != 0) return 0; /* their first tick */
+  if (!membrane_stress_lanes_energy(v, c, &s, stress, &was) ||
+      !membrane_stress_lanes_energy(v, target, &s, stress, &full) ||
+      mask_bits(lanes_greater(full, lanes_set(MATERIAL_ENERGY_MAX - 1))) != 0)
+    return 0;
+  const lanes slowly = lanes_max(lanes_asr(was, v->smoothing_shift), lanes_set(MATERIAL_ENERGY_LEAST));
+  const lanes rise = lanes_sub(full, was);
+  const lanes room = lanes_max(lanes_sub(lanes_set(0), rest[3]), slowly);
+  const lane_mask held = lanes_greater(rise, room);
+  if (mask_bits(held) != 0) {
+    const lanes part = lanes_ratio(room, 30, rise);
+    LANES_UNROLL
+    for (int n = 0; n < MATERIAL_ENTRIES; ++n) {
+      const lanes way = lanes64_round(lanes64_mul(lanes_sub(target[n], c[n]), part), 30);
+      const lanes less = lanes_add(c[n], way);
+      target[n] = lanes_select(held, less, target[n]);
+    }
+  }
+  if (!membrane_stress_lanes_energy(v, target, &s, stress, &now)) return 0;
+  const lanes owed = lanes_sub(lanes_add(rest[3], now), was);
+  const lanes debt = lanes_min(owed, lanes_set(MATERIAL_ENERGY_MAX));
+  const lanes last[3] = {target[2], target[3], lanes_max(debt, lanes_sub(lanes_set(0), now))};
+  stiffness_state *to = &v->stiffness[first];
   for (uint32_t pole = 0; pole < SMOOTHED_STRAIN_POLES; ++pole)
-    membrane_stress_lanes_store(&smoothed->mean[pole].uu, SMOOTHED_STRAIN_WORDS, poles[pole]);
+    membrane_stress_lanes_store(&to->mean[pole].uu, STIFFNESS_STATE_WORDS, poles[pole]);
+  membrane_stress_lanes_store(to->c, STIFFNESS_STATE_WORDS, target);
+  membrane_stress_lanes_store(to->c + 2, STIFFNESS_STATE_WORDS, last);
+  membrane_stress_lanes_store(&v->stress[first].uu, sizeof(material_tensor) / 4, stress);
   return 1;
 }
 

@@ -13,7 +13,10 @@
 enum { FORCE_MORE_BITS = 4, FORCE_MAX = (1 << 26) - (1 << 22) }; /* Q26 */
 enum {
   BEND_MAX = 1 << 20,    /* Q26: impulse of a corner */
-  BEND_IMPULSE_LESS = 12 /* a moment in Q(bend_bits - 2) over a length in Q16, to Q26 */
+  BEND_PER_LENGTH_LESS = 26,   /* a moment in Q(bend_bits - 2) over a length in Q20, to Q(bend_bits - 8) */
+  BEND_TORQUE_LESS = 24,       /* that times a length in Q28, to Q(bend_bits - 4) */
+  BEND_TORQUE_MAX = 1 << 30,
+  BEND_IMPULSE_LESS = 28       /* that times a length, over an area of bend_normal, to Q26 */
 };
 /* 2 asin(s) / s by s^2, Q28: the first two are exact. */
 enum {
@@ -41,7 +44,7 @@ typedef struct {
   bend_normal *normal;              /* of triangles; written by the first */
   bend_moment *moment;              /* of triangles; written: state/bend_plate.h */
   uint32_t plate_stride, fold_stride;
-  unsigned impulse_shift;           /* 1 to 62 */
+  int32_t impulse_shift;            /* bend_bits - BEND_IMPULSE_LESS */
   int is_measure;                   /* not 0: offsets stay */
 } bend_view;
 static inline const int32_t *bend_plate(const bend_view *v, uint32_t column) {
@@ -59,10 +62,11 @@ typedef struct {
   const material_table *materials;
   const uint8_t *material;  /* of triangles: index into materials */
   unsigned smoothing_shift; /* of the low-pass filter: 2^-smoothing_shift a tick, 0 (no filter) to 31 */
+  unsigned energy_shift;    /* of material_energy(), 1 to 31 */
   int32_t norm2_max;        /* the largest trimesh_norm2() that keeps all of its stiffness */
-  smoothed_strain *smoothed_strains; /* of triangles, Q28; written */
-  membrane_gain *gains;              /* of triangles: stiffness; written */
-  material_tensor *stress;           /* of triangles; written */
+  const int32_t *strain_threshold; /* of triangles: membrane/strain_law.h; above it they are left */
+  stiffness_state *stiffness;      /* of triangles; written */
+  material_tensor *stress;         /* of triangles; written */
 } stress_view;
 
 /* simd_wind(), once a tick. */
@@ -75,7 +79,7 @@ typedef struct {
   elastic_impulse *sum; /* of vertices, Q26; added to */
 } wind_view;
 
-/* simd_bend_stiffness() and simd_bend_geometry(), once a tick. */
+/* simd_bend_stiffness(), when it changes, and simd_bend_geometry(), once a tick. */
 typedef struct {
   const int32_t *at[3]; /* vertices by axis, Q24 lu, within +-FX_WORLD_MAX */
   const trimesh_triangle *triangle;

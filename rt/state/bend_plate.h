@@ -22,7 +22,9 @@ enum {
   BEND_HABIT_MAX = 8 << BEND_HABIT_BITS, /* twice the table */
   BEND_ENTRY_MAX = 1 << 28,              /* of H */
   BEND_REACH = FX_LU * 16,               /* Q28: corners farther apart along an axis are taken as a lu */
+  BEND_AREA_DOWN = 30,                   /* from Q56 of |N|^2 */
   BEND_FLAT = 1 << 16,                   /* Q56: a triangle of a squared normal below that has no side */
+  BEND_ENERGY_MAX = 1 << 29,             /* Q(bend_bits - 3), in a bending step */
   BEND_ONE = 1 << 30                     /* Q30 */
 };
 
@@ -30,6 +32,8 @@ enum {
 typedef struct {
   int32_t offset[3]; /* of each side, 0 on the boundary */
   int32_t habit[SMOOTHED_STRAIN_POLES];
+  int32_t faded; /* Q30: what is lost of its angles, as it is pressed together or was */
+  int32_t owed;  /* an energy, within BEND_ENERGY_MAX: membrane/bend_owed.c */
 } bend_state;
 enum { BEND_STATE_WORDS = sizeof(bend_state) / 4 };
 
@@ -54,8 +58,9 @@ static inline int32_t bend_fade_by_height(const bend_shape *s, uint32_t k, uint3
 /* Of a triangle in this tick: columns, each as long as the pool of triangles. */
 enum {
   PLATE_H00, PLATE_H11, PLATE_H22, PLATE_H01, PLATE_H02, PLATE_H12, /* H of sides */
-  PLATE_G01, PLATE_G02, PLATE_G11, PLATE_G12, PLATE_G21, PLATE_G22, /* Q16 of 1 / lu: of side and corner */
-  PLATE_FADE,                                                       /* Q30, see bend_prepare.c */
+  PLATE_PER_LENGTH_0, PLATE_PER_LENGTH_1, PLATE_PER_LENGTH_2, /* 1 / |e| of sides, Q20 of 1 / lu */
+  PLATE_AREA_MIN, /* of |N|^2 in bending steps, Q26 of lu^4: see bend_prepare.c */
+  PLATE_FADE,     /* Q30, see there */
   PLATE_COLUMNS
 };
 typedef struct {
@@ -81,10 +86,15 @@ typedef struct {
   int32_t words[(3 * FOLD_COLUMNS + 1) / 2];
 } bend_fold_words;
 
-/* Unit normal of a triangle Q30, and 1 unless it has none. */
+/* The unit normal of a triangle Q30, and with N twice its area times that, 1 / |N|: Q30, and in the five
+ * lowest bits h, by 2^-h of 2^28 / lu^2. Both 0: it has none. */
 typedef struct {
-  int32_t n[3], valid;
+  int32_t n[3], per_area;
 } bend_normal;
+enum { BEND_EXPONENT = 31, BEND_PER_LENGTH_BITS = 20 };
+static inline int32_t bend_per_area_of(fx_root root) {
+  return (int32_t)((root.inverse >> 1 & ~(uint32_t)BEND_EXPONENT) | root.h);
+}
 
 /* Of a triangle's sides: in a bending step angles, then moments of the triangle, then of the sides. */
 typedef struct {

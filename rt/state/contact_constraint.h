@@ -9,8 +9,7 @@
 
 enum {
   CONSTRAINTS_PER_CONTACT = 3, /* room in the pool, for each contact that has room */
-  CONSTRAINT_ONE = 1 << 15,    /* a whole weight */
-  CONSTRAINT_WORLD = 0xFFFF    /* instead of a body: the edge of the world */
+  CONSTRAINT_ONE = 1 << 15     /* a whole weight */
 };
 
 /* How its plane follows the cloth within a substep. */

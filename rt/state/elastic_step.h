@@ -18,8 +18,8 @@ typedef struct {
   int32_t x, y, z, padding;
 } elastic_impulse;
 
-/* Of a watched world's vertex: that sum behind limits of edges, and behind contact. */
-enum { STEP_MARKS = 4 };
+/* Of a watched world's vertex: that sum behind zones, repayment, limits of edges and contact. */
+enum { STEP_MARKS = 5 };
 typedef struct {
   elastic_impulse sum[STEP_MARKS - 1];
 } metered_impulse;

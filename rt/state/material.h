@@ -66,8 +66,11 @@ void material_stiffness(const material_table *f, material_tensor strain, int32_t
 enum { SMOOTHED_STRAIN_POLES = 2 };
 typedef struct {
   material_tensor mean[SMOOTHED_STRAIN_POLES];
-} smoothed_strain;
-enum { SMOOTHED_STRAIN_WORDS = sizeof(smoothed_strain) / 4 };
+  int32_t c[MATERIAL_ENTRIES]; /* at that, in use; c11 is 0 before its first tick */
+  int32_t owed;                /* material_energy() that a c which followed the strain has made */
+} stiffness_state;
+enum { STIFFNESS_STATE_WORDS = sizeof(stiffness_state) / 4, MATERIAL_ENERGY_MAX = 1 << 28 };
+enum { MATERIAL_ENERGY_LEAST = 16 }; /* below, energies are rounding */
 
 /* A product with a strain, in the other factor's format. */
 static inline int32_t material_round(int64_t product) {
@@ -79,6 +82,13 @@ static inline material_tensor material_stress(const int32_t c[MATERIAL_ENTRIES],
                              material_round(fx_mul_wide(c[1], strain.uu) + fx_mul_wide(c[2], strain.vv)),
                              material_round(fx_mul_wide(c[3], strain.uv))};
   return s;
+}
+
+/* Stress times strain: twice an energy by area, Q40 of N/m over 2^energy_shift. */
+static inline int32_t material_energy(material_tensor stress, material_tensor strain, unsigned shift) {
+  const int64_t sum = fx_mul_wide(stress.uu, strain.uu) + fx_mul_wide(stress.vv, strain.vv) +
+                      fx_mul_wide(stress.uv, strain.uv);
+  return fx_clamp_wide(fx_round64(sum, shift), MATERIAL_ENERGY_MAX);
 }
 
 /* The position of a direction between the rows: 0 at 0 degrees, 4 at 90, Q28; at most a sixth of a millionth

@@ -25,6 +25,7 @@ enum { MAX_ELASTIC_STEPS = 1024, MEMBRANE_LOADS = 4, MAX_WIND = 1 << 30, MAX_LOA
   X(force_gain,         1 << 30,    WORD_MAX)    /* c to impulse, see membrane/membrane_gains.c */ \
   X(force_shift,        8,          62) \
   X(smoothing_shift,    0,          16)          /* c follows the strain in 2^this ticks, by two poles */ \
+  X(energy_shift,       1,          31)          /* of material_energy() */ \
   X(norm2_max,          1 << 10,    WORD_MAX)    /* Q12 of 1 / lu^2: the largest trimesh_norm2() that \
                                                     elastic steps of this length can bear */ \
   X(bend_every,         0,          MAX_ELASTIC_STEPS) /* elastic steps from bending to bending; 0: none */ \
@@ -48,7 +49,7 @@ typedef struct {
 } membrane_load;
 
 typedef struct {
-  int32_t steps, mass_unit, force_gain, force_shift, smoothing_shift, norm2_max;
+  int32_t steps, mass_unit, force_gain, force_shift, smoothing_shift, energy_shift, norm2_max;
   int32_t bend_every, bend_bits, bend_row_max, bend_row_shift, curve_gain;
   int32_t wind[3], wind_normal, wind_drag, wind_shift;
   int32_t edge_limit;

@@ -32,7 +32,6 @@ typedef struct {
   int32_t momentum_remainder[3];
   int32_t contact_tank[2];
   uint32_t joined_any, joined_new; /* there are zones before this attempt; it has found more */
-  uint32_t has_zones;             /* in this attempt: zones move as one, and `joined` are their roots */
   uint32_t constraints;            /* of self-contact */
 #if FRAY_ENERGY
   energy_ledger energy;
@@ -44,6 +43,7 @@ typedef struct {
   attempt_vertex *vertices;
   attempt_body *bodies;
   bend_state *bend_states; /* of a triangle */
+  int32_t *owed;           /* by its stiffness */
 } tick_attempt;
 
 #endif

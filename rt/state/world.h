@@ -124,7 +124,7 @@ typedef struct {
   const tear_strength *tear_strengths;
   const blade_params *blades;      /* of worlds with blades */
   /* state */
-  smoothed_strain *smoothed_strains; /* of a triangle */
+  stiffness_state *stiffness;      /* of a triangle */
   bend_state *bend_states;         /* of a triangle */
   /* follows from the mesh */
   bend_shape *bend_shapes;         /* of a triangle */
@@ -139,6 +139,7 @@ typedef struct {
   uint32_t fold_count;
   uint8_t bend_current;            /* 0: tears or cuts have changed the mesh since they were found */
   uint8_t bend_faded;              /* 1: the angle of some counts less, for triangles pressed together */
+  uint8_t at_edge;                 /* 1: a vertex may reach the edge of the world in this substep */
   uint8_t constraints_missed;      /* 1: in this substep some had no room */
   int32_t *inverse_mass;           /* of a vertex: Q24 of 1 / particle mass */
   elastic_position *positions;     /* of a vertex */

@@ -20,6 +20,7 @@ void elastic_steps_run(fray_world *w, uint32_t substep) {
   edge_limits_find(w);
   impact_zone_steps_leave_edges(w);
   contact_constraints_find(w);
+  world_edge_find(w);
   for (int32_t number = 0; number < w->membrane.constants->steps; ++number) {
     const elastic_step step = membrane_step_force(w, &view, substep, number);
     if (world_has_handles(w)) step_handles_mark(w);
@@ -30,12 +31,19 @@ void elastic_steps_run(fray_world *w, uint32_t substep) {
     step_meter_mark(w, 0);
     impact_zone_steps_hold(w, &step);
     step_meter_mark(w, 1);
+    if (substep == 0 && number == 0) {
+      stretch_repay(w, &step);
+      bend_repay(w, &step);
+      impact_zone_steps_share(w, &step);
+    }
+    step_meter_mark(w, 2);
     edge_limits_solve(w, &step);
     impact_zone_steps_share(w, &step);
-    step_meter_mark(w, 2);
-    contact_constraints_solve(w, &step);
-    impact_zone_steps_share(w, &step);
     step_meter_mark(w, 3);
+    contact_constraints_solve(w, &step);
+    world_edge_solve(w, &step);
+    impact_zone_steps_share(w, &step);
+    step_meter_mark(w, 4);
     self_constraints_solve(w, &step);
     impact_zone_steps_share(w, &step);
     step_meter_mark(w, STEP_MARKS);

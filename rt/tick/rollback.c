@@ -33,6 +33,7 @@ void rollback_save(fray_world *w) {
     a->bodies[b].motion = w->rigid.motion[b];
   }
   bytes_copy(a->bend_states, w->membrane.bend_states, triangles_in_use(w) * sizeof *a->bend_states);
+  for (uint32_t t = 0; t < triangles_in_use(w); ++t) a->owed[t] = w->membrane.stiffness[t].owed;
   bytes_copy(a->begin->gravity_phase, w->state->gravity_phase, sizeof a->begin->gravity_phase);
   bytes_copy(a->begin->momentum_remainder, w->trimesh.state->momentum_remainder,
              sizeof a->begin->momentum_remainder);
@@ -55,6 +56,9 @@ void rollback_restore(fray_world *w) {
   a->begin->joined_any |= a->begin->joined_new;
   bytes_copy(w->membrane.bend_states, a->bend_states, triangles_in_use(w) * sizeof *a->bend_states);
   bend_offsets_load(w);
+  bend_follow_again(w);
+  bend_fade_begin(w);
+  for (uint32_t t = 0; t < triangles_in_use(w); ++t) w->membrane.stiffness[t].owed = a->owed[t];
   bytes_copy(w->state->gravity_phase, a->begin->gravity_phase, sizeof a->begin->gravity_phase);
   bytes_copy(w->trimesh.state->momentum_remainder, a->begin->momentum_remainder,
              sizeof a->begin->momentum_remainder);

@@ -240,8 +240,9 @@ static void relink_neighbour(fray_world *w, uint32_t t, uint32_t k, uint32_t now
 /* Of a triangle to a part of it: everything but shape and topology. */
 static void copy_properties(fray_world *w, uint32_t part, uint32_t t) {
   w->trimesh.material[part] = w->trimesh.material[t];
-  w->membrane.smoothed_strains[part] = w->membrane.smoothed_strains[t];
+  w->membrane.stiffness[part] = w->membrane.stiffness[t];
   w->membrane.bend_states[part] = w->membrane.bend_states[t];
+  w->membrane.bend_states[part].owed = 0;
   w->membrane.stress[part] = w->membrane.stress[t];
   w->membrane.gains[part] = w->membrane.gains[t];
 }

@@ -33,7 +33,7 @@ sessions() {
   done
 }
 
-plain='twenty workers play stop flood kill trouble flap lateness interop'
+plain='twenty workers arms play stop flood kill trouble flap lateness interop'
 keyed='key tags stranger again'
 case ${1:-} in
   bed) exec sh tests/bus/bed.sh ;;

@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # sessions.sh [NAME...]: live sessions on vcan0, to be run where guest.sh runs them (root, vcan0 up).
-# NAME: twenty play stop flood kill trouble flap lateness interop key tags stranger again, and in
-# QEMU controllers or unpinned. A `figure` line says what was measured, a check what must hold;
+# NAME: twenty workers arms play stop flood kill trouble flap lateness interop key tags stranger again,
+# and in QEMU controllers or unpinned. A `figure` line says what was measured, a check what must hold;
 # no check is about the machine's speed. README.md says more.
 . tests/lib/suite.sh
 
@@ -168,6 +168,27 @@ test_workers() {
   figure "3 workers, $rate Hz: $(number workers 'breaks      ') springs broken, $(number workers 'SYNCs lost') SYNCs lost"
   holds "workers: candump's log verifies" verifies workers "$work/workers.can"
   holds "workers: fray's own log verifies" verifies workers "$work/workers.own"
+}
+
+# ---- arms: two hold a cloth by handles; their own account beside fray's meters
+sum_uj() { sed -n "s/$1 \(-*[0-9.]*\) mJ.*/\1/p" "$2" | awk '{ sum += $1 * 1000 } END { printf "%.0f", sum }'; } # WORDS FILE
+test_arms() {
+  for rate in 1000 500 250; do
+    sed "s/^rate .*/rate $rate Hz/" $here/scenes/held.scene >"$work/held.scene"
+    sed "s/^rate .*/rate $rate Hz/" $here/scenes/arms.hand >"$work/arms.hand"
+    "$fray" scene "$work/held.scene" -o "$work/sheet.img" >/dev/null
+    for attempt in 1 2 3 4 5 6 7 8; do
+      session arms arms $((rate * 4))
+      if [ "$(number arms 'SYNCs lost')" -eq 0 ]; then break; fi
+    done
+    arms_gave=$(sum_uj '^arm .* gave' "$work/arms.hand.out")
+    were_given=$(sum_uj '^device .* was given' "$work/arms.out")
+    figure "two arms, $rate Hz, 4 s: they gave $arms_gave uJ; by fray's meters $((-were_given)) (attempt $attempt)"
+    holds "arms: they gave energy, and got none" [ "$arms_gave" -gt 100 ]
+    holds "arms: meters agree to 1 %" between $((-were_given)) $((arms_gave * 99 / 100)) $((arms_gave * 101 / 100))
+    holds "arms: the controller took nothing" is "$(grep -c 'controller took 0.000 mJ' "$work/arms.out")" 2
+    holds "arms: candump's log verifies" verifies arms "$work/arms.can"
+  done
 }
 
 # ---- 3: canplayer plays a recording's device frames into a live fray
@@ -349,7 +370,8 @@ test_flap() {
     within 500 flap 1 "$a_force" || true
     first_log=$log_pid
     sleep "0.0$n"
-    ip link set $bus down
+    # by turns while fray sleeps, so that the next frame is a SYNC, and in the middle of a tick, whose FORCE it takes with it
+    if [ $((n % 2)) = 1 ]; then chrt --other 0 ip link set $bus down; else ip link set $bus down; fi
     sleep 0.2
     ip link set $bus up
     kill "$first_log" 2>/dev/null || true

@@ -40,8 +40,14 @@ static inline word_range damage_tip_range(uint32_t n) {
   return n == 0 ? tips : n % 3 == 1 ? vertex : way;
 }
 static inline word_range damage_bend_range(uint32_t n) {
-  const word_range offset = {-BEND_OFFSET_MAX, BEND_OFFSET_MAX}, habit = {0, BEND_HABIT_MAX};
-  return n < 3 ? offset : habit;
+  const word_range offset = {-BEND_OFFSET_MAX, BEND_OFFSET_MAX}, habit = {0, BEND_HABIT_MAX}, faded = {0, BEND_ONE},
+                   owed = {-BEND_ENERGY_MAX, BEND_ENERGY_MAX};
+  return n < 3 ? offset : n < 3u + SMOOTHED_STRAIN_POLES ? habit : n == 3u + SMOOTHED_STRAIN_POLES ? faded : owed;
+}
+static inline word_range damage_stiffness_range(uint32_t n) {
+  const word_range strain = {-STRAIN_MAX, STRAIN_MAX}, stiff = {0, MATERIAL_STIFF_MAX},
+                   owed = {-MATERIAL_ENERGY_MAX, MATERIAL_ENERGY_MAX};
+  return n < 3u * SMOOTHED_STRAIN_POLES ? strain : n < 3u * SMOOTHED_STRAIN_POLES + MATERIAL_ENTRIES ? stiff : owed;
 }
 static inline word_range damage_yarn_contact_range(uint32_t n) {
   const word_range place = {0, 8 << YARN_PLACE_BITS}, offset = {-YARN_OFFSET_MAX, YARN_OFFSET_MAX},
@@ -61,7 +67,7 @@ static inline word_range damage_range(uint32_t id, uint32_t n) {
 #undef X
   const word_range place = {-62 * FX_LU, 62 * FX_LU}, speed = {-FX_SPEED_MAX, FX_SPEED_MAX},
                    grip = {-FX_WORLD_MAX, FX_WORLD_MAX}, rest = {-32 * FX_LU, 32 * FX_LU}, area = {1, TRIMESH_AREA_MAX - 1},
-                   strain = {-STRAIN_MAX, STRAIN_MAX}, stiff = {0, MATERIAL_STIFF_MAX}, cuts = {1, MAX_BREAKS}, blade = {BLADE_NEVER, BLADE_SPEED_MAX}, any = {INT32_MIN, INT32_MAX};
+                   stiff = {0, MATERIAL_STIFF_MAX}, cuts = {1, MAX_BREAKS}, blade = {BLADE_NEVER, BLADE_SPEED_MAX}, any = {INT32_MIN, INT32_MAX};
   switch (id) {
     case 1: return params_words[n % PARAM_WORDS];
     case 2: return state_words[n % STATE_WORDS];
@@ -79,7 +85,7 @@ static inline word_range damage_range(uint32_t id, uint32_t n) {
     case 42: case 43: return rest;
     case 45: return stiff;
     case 46: return membrane_words[n % MEMBRANE_PARAM_WORDS];
-    case 47: return strain;
+    case 47: return damage_stiffness_range(n % STIFFNESS_STATE_WORDS);
     case 48: return strength_words[n % TEAR_STRENGTH_WORDS];
     case IMAGE_YARN_COLLISION: case IMAGE_TRIANGLE_COLLISION: return self_words[n % SELF_PARAM_WORDS];
     case IMAGE_BLADES: return n == 0 ? cuts : blade;

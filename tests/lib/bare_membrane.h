@@ -61,7 +61,7 @@ BARE size_t bare_layout(bare_membrane *b) {
   w->trimesh.edge_marks = bare_allocate(b, &used, triangles, 1);
   w->trimesh.material = bare_allocate(b, &used, triangles, 1);
   w->trimesh.weights = bare_allocate(b, &used, triangles, sizeof(trimesh_weights));
-  w->membrane.smoothed_strains = bare_allocate(b, &used, triangles, sizeof(smoothed_strain));
+  w->membrane.stiffness = bare_allocate(b, &used, triangles, sizeof(stiffness_state));
   w->membrane.bend_states = bare_allocate(b, &used, triangles, sizeof(bend_state));
   w->membrane.bend_shapes = bare_allocate(b, &used, triangles, sizeof(bend_shape));
   w->membrane.stress = bare_allocate(b, &used, triangles, sizeof(material_tensor));

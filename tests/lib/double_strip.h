@@ -87,7 +87,7 @@ FIXTURE void double_strip_open(fixture *f, const double_strip *s) {
   if (held != attached || 2 * triangles > w->capacity[POOL_TRIANGLES]) fixture_give_up("double strip", "no clamp");
   m->state->triangles = (int32_t)(2 * triangles);
   memset(w->membrane.bend_states, 0, 2 * triangles * sizeof *w->membrane.bend_states);
-  memset(w->membrane.smoothed_strains, 0, 2 * triangles * sizeof *w->membrane.smoothed_strains);
+  memset(w->membrane.stiffness, 0, 2 * triangles * sizeof *w->membrane.stiffness);
   for (uint32_t t = 0; t < 2 * triangles; ++t) {
     const index_t *v = from->trimesh.triangle[t % triangles].v;
     const uint32_t half = t / triangles;

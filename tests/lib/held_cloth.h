@@ -6,12 +6,12 @@
 #include "tests/lib/world_fixture.h"
 #include "tools/bus/arm.h"
 
-/* coupling: N/m. cloth, hands, handle: more keys of these blocks, a line each. */
-FIXTURE void held_cloth_open(fixture *f, uint32_t coupling, const char *cloth, const char *hands,
-                             const char *handle) {
+/* rate: Hz. coupling: N/m. cloth, hands, handle: more keys of these blocks, a line each. */
+FIXTURE void held_cloth_open_at(fixture *f, uint32_t rate, uint32_t coupling, const char *cloth,
+                                const char *hands, const char *handle) {
   fixture_print(
       f,
-      "scene held\nrate 1000 Hz\ngravity 0 0 0 cm/s2\nmembrane {\n columns 6\n rows 4\n cell 1 cm\n"
+      "scene held\nrate %u Hz\ngravity 0 0 0 cm/s2\nmembrane {\n columns 6\n rows 4\n cell 1 cm\n"
       " material cloth\n drag 0 /s\n}\n"
       "material cloth {\n density 200 g/m2\n isotropic 1000 N/m 0.3\n%s}\nhands {\n%s}\n"
       "box left {\n size 0.2 4.2 0.2 cm\n at -3 0 0 cm\n move hand left\n mass 5 g\n coupling %u "
@@ -20,7 +20,12 @@ FIXTURE void held_cloth_open(fixture *f, uint32_t coupling, const char *cloth, c
       "box right {\n size 0.2 4.2 0.2 cm\n at 3 0 0 cm\n move hand right\n mass 5 g\n coupling %u "
       "N/m\n"
       " attach_within 0 cm\n%s}\n",
-      cloth, hands, coupling, handle, coupling, handle);
+      rate, cloth, hands, coupling, handle, coupling, handle);
+}
+
+FIXTURE void held_cloth_open(fixture *f, uint32_t coupling, const char *cloth, const char *hands,
+                             const char *handle) {
+  held_cloth_open_at(f, 1000, coupling, cloth, hands, handle);
 }
 
 /* Both hands for a tick: poses from the arms' last tick, forces to them. goals: m. */

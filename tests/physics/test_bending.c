@@ -39,7 +39,7 @@ static void roll(fray_world *w, double curvature, double c, double s) {
 /* Bending steps with the vertices where they are, until the offsets have found their place. */
 static void relax(fray_world *w, int steps) {
   bend_prepare(w);
-  membrane_angles_now(w);
+  membrane_angles_find(w);
   for (int n = 0; n < steps; ++n) bend_force_add(w, BEND_LAST);
 }
 
@@ -58,7 +58,7 @@ static double bend_energy_of(const fray_world *w, uint32_t t) {
 
 static double bend_energy(fray_world *w) {
   double sum = 0;
-  membrane_angles_now(w);
+  membrane_angles_find(w);
   for (uint32_t t = 0; t < triangles_in_use(w); ++t) sum += bend_energy_of(w, t);
   return sum;
 }

@@ -66,7 +66,7 @@ static int every_rate;
 
 static void everything_comes_to_rest(void) {
   static const int rates[] = {240, 500, 1000, 2000};
-  for (uint32_t rate = 0; rate < sizeof rates / sizeof rates[0]; rate += every_rate ? 1 : 3)
+  for (uint32_t rate = 0; rate < sizeof rates / sizeof rates[0]; rate += every_rate ? 1 : 2 + TEST_FEWER)
     for (uint32_t fabric = 0; fabric < sizeof fabrics / sizeof fabrics[0]; ++fabric)
       for (uint32_t support = 0; support < sizeof supports / sizeof supports[0]; ++support)
         for (int pinned = 0; pinned < 2; ++pinned) lies(fabric, support, pinned, rates[rate]);
@@ -100,7 +100,7 @@ static void a_pressed_sphere_feels_a_steady_force(void) {
  * fall and of what it and the sphere fall further. */
 static void a_heavy_sphere_gives_no_more_than_it_has(void) {
   static const double times[] = {1, 3, 10, 30, 100};
-  for (uint32_t n = 0; n < 15; ++n) {
+  for (uint32_t n = 0; n < 15; n += (TEST_FEWER + 3) / 4) {
     fixture_scoped f = {0};
     double mass = 0;
     for (int known = 0; known < 2; ++known) {

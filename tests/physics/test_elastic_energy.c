@@ -11,6 +11,10 @@
 static const char at_the_edge[] =
     "scene edge\nwind 1.1 -4.1 1.1 m/s\n"
     "membrane {\n columns 6\n rows 6\n cell 0.9637 cm\n material denim\n wind_drag 0.29\n}\n";
+/* All of it slides into a corner of the world, with room for a few contacts. */
+static const char cornered[] =
+    "scene cornered\nrate 500 Hz\ngravity 1465.3 -1240.4 -251.3 cm/s2\nsubsteps 3\nmembrane {\n columns 9\n rows 4\n cell 0.6354 cm\n"
+    " material t-shirt\n orientation horizontal\n drag 2 /s\n}\nlimits {\n contacts 5\n}\n";
 /* Neither tears nor a limit, drawn to almost twice its length in a tenth of a second. */
 static const char drawn[] =
     "scene drawn\nmembrane {\n columns 8\n rows 12\n cell 1 cm\n material swimsuit\n}\npin row top\n"
@@ -80,25 +84,28 @@ static void limits_make_none(void) {
   }
 }
 
+/* A strain beyond 4 has a force and no energy: its ticks say nothing, and the fault says so. */
 static void steps_make_none(void) {
   static const struct {
     const char *name, *text;
     uint32_t ticks;
-  } cases[] = {{"edge", at_the_edge, 800}, {"drawn", drawn, 600}, {"loaded", loaded, 600}, {"struck", struck, 60}, {"thin", thin, 600}, {"coarse", coarse, 1000}};
+  } cases[] = {{"edge", at_the_edge, 800}, {"cornered", cornered, 800}, {"drawn", drawn, 600}, {"loaded", loaded, 600}, {"struck", struck, 60}, {"thin", thin, 600}, {"coarse", coarse, 1000}};
   for (uint32_t n = 0; n < sizeof cases / sizeof cases[0]; ++n) {
     fixture_scoped f = {0};
-    double turned = 0;
-    double made = 0;
+    double turned = 0, made = 0, before = 0, excused = 0;
     fixture_text(&f, cases[n].text);
     fray_energy_watch(f.w);
     for (uint32_t tick = 0; tick < cases[n].ticks; ++tick) {
-      (void)fixture_tick(&f, &fixture_idle);
+      const fray_output out = fixture_tick(&f, &fixture_idle);
       const fray_energy_account a = fray_energy(f.w);
       turned = fmax(turned, account_supplied(&a) + (double)a.begun);
-      made = fmax(made, account_net(&a, FRAY_ENERGY_STEPS));
+      const double net = account_net(&a, FRAY_ENERGY_STEPS);
+      if ((out.faults & FRAY_FAULT_OVERSTRETCHED) != 0) excused += fmax(0, net - before);
+      made = fmax(made, net - excused);
+      before = net;
     }
-    printf("figure steps_%s_made %.3g of what is turned over (asked: at most 0.01), faults 0x%02X\n", cases[n].name,
-           made / turned, (unsigned)f.w->state->faults);
+    printf("figure steps_%s_made %.3g of what is turned over (asked: at most 0.01) beside %.3g beyond a strain of 4, faults 0x%02X\n",
+           cases[n].name, made / turned, excused / turned, (unsigned)f.w->state->faults);
     CHECK(made <= 0.01 * turned);
   }
 }
@@ -155,26 +162,150 @@ static const char torn_apart[] =
     "  0.404 s -2.5471 2.1417 -1.0811 cm  0.824 s -2.6058 2.5119 -0.3108 cm }\n}\n"
     "sphere s {\n radius 2.636 cm\n friction 0.87\n attach_within 0.5237 cm\n at 1.7623 0 2.9985 cm\n}\n";
 
+/* A pinned sheet with cells of 1.4 cm, drawn by a ball of 320 faces: more of these are near than one query takes. */
+static const char at_a_fine_ball[] =
+    "scene fine\nrate 1000 Hz\nsubsteps 3\nmembrane {\n columns 2\n rows 4\n cell 1.43 cm\n material rag\n weft 17.4 deg\n"
+    " orientation horizontal\n at 0.233 0 -0.11 cm\n drag 0 /s\n thickness 0.03756 cm\n self_collision on\n}\n"
+    "material rag {\n base swimsuit\n stretch all 1733.3 364.1 1337.4 824.5 N/m\n}\npin row top\npin row bottom\n"
+    "mesh b {\n obj \"tests/scenes/meshes/ball.obj\"\n unit 0.3551 cm\n rotate -37.1 deg about x\n friction 0.54\n"
+    " move path { 0 s -0.6044 -2.4993 0.8172 cm  0.148 s -1.0698 -0.1303 -0.8686 cm  0.25 s 1.7216 1.0202 0.4851 cm\n"
+    "  0.633 s 3.1892 2.3205 -1.9526 cm }\n}\n";
+
+/* Sheets whose stiffness follows their strain, as a load and a body draw them, and as they swing. */
+static const char drawn_by_load[] =
+    "scene drawn\nrate 500 Hz\nsubsteps 4\ngravity 838 664 379 cm/s2\nmembrane {\n columns 11\n rows 9\n cell 1.0939 cm\n"
+    " material rag\n orientation horizontal\n drag 0.5 /s\n strain_limit 30 %\n thickness 0.06426 cm\n"
+    " elastic_steps_max 21\n collision vertices\n}\nload right -7.9 -6.3 -17.0 N/m\nbox b {\n size 1.4043 3.5671 1.5177 cm\n"
+    " attach_within 0.9315 cm\n rotate 27.2 deg about x\n"
+    " move path { 0 s -4.4019 0 3.0975 cm  0.14 s -8.8621 2.5121 5.7469 cm  0.631 s -12.0875 0.7459 5.0119 cm }\n}\nmaterial rag { base t-shirt\n bend all 1 uNm\n}\n";
+static const char swinging[] =
+    "scene swinging\nrate 240 Hz\nsubsteps 2\nmembrane {\n columns 8\n rows 8\n cell 0.8 cm\n material rag\n"
+    " orientation horizontal\n drag 0 /s\n}\npin row top\nload bottom 0 -1 0 N/m\nmaterial rag { base t-shirt\n bend all 1 uNm\n}\n";
+
+/* Cloth whose bending stiffness follows its curvature, as it swings and as it lands on its edge. */
+static const char waving[] =
+    "scene waving\nmembrane {\n columns 13\n rows 3\n cell 1.28 cm\n material pants\n orientation horizontal\n drag 0 /s\n}\npin column right\n";
+static const char landing[] = "scene landing\nmembrane {\n columns 13\n rows 5\n cell 1.5363 cm\n material t-shirt\n}\n";
+/* Paper that is pressed flat as it lands, and a sword that falls on pants: angles of such triangles count less, then again. */
+static const char pressed[] =
+    "scene pressed\nmembrane {\n columns 9\n rows 7\n cell 2.41 cm\n material rag\n}\nmaterial rag {\n base paper\n"
+    " stretch all 58.1 3.3 74.8 11.6 N/m\n}\n";
+static const char under_a_sword[] =
+    "scene sword\nrate 240 Hz\nmembrane {\n columns 2\n rows 10\n cell 0.4927 cm\n material pants\n weft 19.7 deg\n"
+    " orientation horizontal\n at 0 0 0.435 cm\n strain_limit 55 %\n thickness 0.03847 cm\n}\npin row bottom\npin column left\n"
+    "mesh b1 {\n obj \"tests/scenes/meshes/sword.obj\"\n unit 0.3382 cm\n at 0.2853 2.4204 -0.8865 cm\n move free\n mass 13.1165 g\n}\n";
+
+static uint32_t triangles_that_owe(const fray_world *w) {
+  uint32_t sum = 0;
+  for (uint32_t t = 0; t < triangles_in_use(w); ++t)
+    sum += w->membrane.stiffness[t].owed > 0 || w->membrane.bend_states[t].owed > 0;
+  return sum;
+}
+
+static void following_makes_none(void) {
+  static const struct {
+    const char *name, *text;
+    uint32_t ticks;
+  } cases[] = {{"drawn", drawn_by_load, 600}, {"swinging", swinging, 600},         {"waving", waving, 1500},
+               {"landing", landing, 1500},    {"pressed", pressed, 1500}, {"sword", under_a_sword, 600}};
+  for (uint32_t n = 0; n < sizeof cases / sizeof cases[0]; ++n) {
+    fixture_scoped f = {0};
+    double made = 0, steps = 0, owed = 0;
+    fixture_text(&f, cases[n].text);
+    fray_energy_watch(f.w);
+    for (uint32_t tick = 0; tick < cases[n].ticks; ++tick) {
+      (void)fixture_tick(&f, &fixture_idle);
+      const fray_energy_account a = fray_energy(f.w);
+      const double supplied = account_supplied(&a) + (double)a.begun;
+      made = fmax(made, account_net(&a, FRAY_ENERGY_MATERIAL) / supplied);
+      steps = fmax(steps, account_net(&a, FRAY_ENERGY_STEPS) / supplied);
+      owed += triangles_that_owe(f.w);
+    }
+    printf("figure stiffness_%s_made %.3g of what was supplied (asked: at most 1e-3), steps %.3g (asked: at most 0.01), "
+           "owed in %.0f triangles a tick\n", cases[n].name, made, steps, owed / cases[n].ticks);
+    CHECK(made <= 1e-3 && owed > 0);
+    CHECK(steps <= 0.01 || (f.w->state->faults & FRAY_FAULT_OVERSTRETCHED) != 0);
+  }
+}
+
+/* Sheets in motion that suddenly owe: their energy falls by what they owe no more. */
+static const char bent_paper[] =
+    "scene bent\nsubsteps 2\nmembrane {\n columns 13\n rows 9\n cell 1.5 cm\n material rag\n drag 0 /s\n strain_limit 47 %\n}\n"
+    "material rag {\n base paper\n isotropic 1500 N/m 0.3\n bend all 40 uNm\n}\nload bottom 0.2 0.2 -0.6 N/m\n";
+
+typedef struct {
+  double begun, steps, left; /* energy less debts before a tick; what steps made in it; the part of debts that is left */
+} owing;
+
+static owing tick_that_owes(const char *text, int32_t by_stretch, int32_t by_bending) {
+  fixture_scoped f = {0};
+  owing o = {0, 0, 0};
+  fixture_text(&f, text);
+  for (uint32_t tick = 0; tick < 120; ++tick) (void)fixture_tick(&f, &fixture_idle);
+  const fray_world *w = f.w;
+  const uint32_t count = triangles_in_use(w);
+  for (uint32_t t = 0; t < count; ++t) {
+    w->membrane.stiffness[t].owed = by_stretch;
+    w->membrane.bend_states[t].owed = by_bending;
+  }
+  fray_energy_watch(f.w);
+  (void)fixture_tick(&f, &fixture_idle);
+  const fray_energy_account a = fray_energy(w);
+  o.steps = account_net(&a, FRAY_ENERGY_STEPS);
+  o.begun = (double)a.begun;
+  for (uint32_t t = 0; t < count; ++t)
+    o.left += ((double)w->membrane.stiffness[t].owed + w->membrane.bend_states[t].owed) / (by_stretch + by_bending + 1e-9) / count;
+  return o;
+}
+
+static void what_is_owed_is_taken(void) {
+  for (uint32_t bends = 0; bends < 2; ++bends) {
+    const char *text = bends ? bent_paper : swinging;
+    const owing none = tick_that_owes(text, 0, 0);
+    const owing some = tick_that_owes(text, bends ? 0 : 5000, bends ? 64 : 0);
+    const double off = fabs(some.steps - none.steps) / ((none.begun - some.begun) * (1 - some.left));
+    printf("figure owed_by_%s_taken %.3g of it in a tick, and motion gives as much within %.2g (asked: at most 0.03)\n",
+           bends ? "bending" : "stretch", 1 - some.left, off);
+    CHECK(off <= 0.03 && some.left < 0.5);
+  }
+}
+
+/* Torn paper, in whose zones weights of both signs leave little. */
+static const char torn_paper[] =
+    "scene paper\nrate 240 Hz\nseed 363449058\ngravity 457 503.9 -133.4 cm/s2\nsettle 0.022 s\nmembrane {\n columns 2\n rows 12\n"
+    " cell 0.85 cm\n material rag\n orientation horizontal\n at -0.017 0 0 cm\n drag 0.5 /s\n thickness 0.01485 cm\n"
+    " self_collision on\n wind_normal 1.93\n wind_drag 0.79\n}\nmaterial rag {\n base paper\n tear 2.89 N/m\n}\nwind -5.9 0.8 -4.5 m/s\n"
+    "sphere b0 {\n radius 1.6759 cm\n friction 0.57\n move path { 0 s -0.4835 6.1087 0.7325 cm  0.247 s -0.9376 1.0631 -2.2813 cm\n"
+    "  0.802 s -3.4466 0.1441 0.5968 cm  1.393 s -5.9863 0.7833 0.5185 cm  1.871 s -5.9024 -1.3071 3.8622 cm }\n}\n";
+
 static void contact_makes_none(void) {
   static const struct {
     const char *name, *text;
-    fray_energy_stage stage;
-  } cases[] = {{"between", torn_between, FRAY_ENERGY_CONTACT}, {"folded", folded, FRAY_ENERGY_SELF_COLLISION},
-               {"hammered", hammered, FRAY_ENERGY_CONTACT}, {"zones", hammered, FRAY_ENERGY_SELF_COLLISION},
-               {"apart", torn_apart, FRAY_ENERGY_SELF_COLLISION}};
+    fray_energy_stage takes;
+    uint32_t faults; /* expected */
+  } cases[] = {{"between", torn_between, FRAY_ENERGY_CONTACT, 0},
+               {"folded", folded, FRAY_ENERGY_SELF_COLLISION, 0},
+               {"hammered", hammered, FRAY_ENERGY_CONTACT, 0},
+               {"apart", torn_apart, FRAY_ENERGY_SELF_COLLISION, 0},
+               {"paper", torn_paper, FRAY_ENERGY_SELF_COLLISION, 0},
+               {"fine", at_a_fine_ball, FRAY_ENERGY_CONTACT, FRAY_FAULT_MESH_QUERY_BUDGET}};
   for (uint32_t n = 0; n < sizeof cases / sizeof cases[0]; ++n) {
     fixture_scoped f = {0};
-    double made = 0, taken = 0;
+    double by_contact = 0, by_self = 0, taken = 0;
     fixture_text(&f, cases[n].text);
     fray_energy_watch(f.w);
     for (uint32_t tick = 0; tick < 600; ++tick) {
       (void)fixture_tick(&f, &fixture_idle);
       const fray_energy_account a = fray_energy(f.w);
-      taken = -account_net(&a, cases[n].stage) / (account_supplied(&a) + (double)a.begun);
-      made = fmax(made, -taken);
+      const double supplied = account_supplied(&a) + (double)a.begun;
+      by_contact = fmax(by_contact, account_net(&a, FRAY_ENERGY_CONTACT) / supplied);
+      by_self = fmax(by_self, account_net(&a, FRAY_ENERGY_SELF_COLLISION) / supplied);
+      taken = -account_net(&a, cases[n].takes) / supplied;
     }
-    printf("figure contact_%s_made %.3g of what was supplied (asked: at most 1e-4), took %.3g of it\n", cases[n].name, made, taken);
-    CHECK(made <= 1e-4 && taken > 0);
+    printf("figure contact_%s_made %.3g of what was supplied, self-collision %.3g (asked: at most 1e-4), took %.3g of it\n",
+           cases[n].name, by_contact, by_self, taken);
+    CHECK(by_contact <= 1e-4 && by_self <= 1e-4 && taken > 0);
+    CHECK(((uint32_t)f.w->state->faults & cases[n].faults) == cases[n].faults);
   }
 }
 
@@ -234,6 +365,8 @@ int main(void) {
   TEST(limits_make_none);
   TEST(steps_make_none);
   TEST(a_full_pool_makes_none);
+  TEST(following_makes_none);
+  TEST(what_is_owed_is_taken);
   TEST(contact_makes_none);
   TEST(a_plane_takes_what_lands);
 #endif

@@ -305,6 +305,15 @@ static void a_coupling_that_steps_cannot_bear_is_refused(void) {
   CHECK(image_validate(f.w, &refused) == FRAY_OK);
 }
 
+/* Cloth settles before any hand acts: a handle that holds nothing stays where it is. */
+static void a_handle_waits_while_cloth_settles(void) {
+  fixture_scoped f = {0};
+  fixture_text(&f, "scene waits\nsettle 0.1 s\nmembrane {\n columns 2\n rows 2\n cell 1 cm\n material denim\n}\npin row top\n"
+                   "sphere b {\n radius 1 cm\n at 0 0 4 cm\n move hand left\n mass 5 g\n}\n");
+  CHECK(world_has_handles(f.w));
+  CHECK_EQ_INT(f.w->handles.constants[0].body, 0);
+}
+
 int main(void) {
   TEST(a_device_feels_the_weight);
   TEST(the_net_holds_energy_back);
@@ -317,5 +326,6 @@ int main(void) {
   TEST(a_save_goes_on);
   TEST(only_images_with_handles_are_newer);
   TEST(a_coupling_that_steps_cannot_bear_is_refused);
+  TEST(a_handle_waits_while_cloth_settles);
   return test_end();
 }

@@ -29,11 +29,12 @@ static void keep_worst(arm_run *worst, const arm_run *r) {
 }
 
 /* An arm rests, jumps, draws. */
-static void find_goals(uint64_t *random, uint32_t tick, double goals[FRAY_HANDS][3]) {
-  if (tick % 700 != 0) return;
+static void find_goals(uint64_t *random, uint32_t tick, uint32_t rate, double goals[FRAY_HANDS][3]) {
+  const uint32_t phase = 7 * rate / 10;
+  if (tick % phase != 0) return;
   for (uint32_t n = 0; n < 3 * FRAY_HANDS; ++n) {
     const double share = (double)(splitmix64(random) >> 11) * 0x1p-53 - 0.5;
-    goals[n / 3][n % 3] = tick / 700 % 3 == 2 ? 0 : 0.02 * share;
+    goals[n / 3][n % 3] = tick / phase % 3 == 2 ? 0 : 0.02 * share;
   }
 }
 
@@ -67,10 +68,10 @@ static arm_run run_arms(fixture *f, double mass, double spring, uint32_t delay) 
   double stored[ARM_DELAY_MAX] = {0};
   double top = 0;
   double given = 0;
-  (void)fixture_start_hands(f, 300);
+  (void)fixture_start_hands(f, 300 * f->facts.rate_hz / 1000);
   fray_energy_watch(f->w);
-  for (uint32_t tick = 0; tick < 1000 * seconds; ++tick) {
-    find_goals(&random, tick, goals);
+  for (uint32_t tick = 0; tick < f->facts.rate_hz * seconds; ++tick) {
+    find_goals(&random, tick, f->facts.rate_hz, goals);
     const fray_output out = held_cloth_tick(f, arms, poses, (const double(*)[3])goals, tick);
     r.meter_uj = fmax(r.meter_uj, fabs(given + meter_of(f, &r.taken_uj)) * 1e6);
     given = arms[0].given + arms[1].given;
@@ -81,27 +82,27 @@ static arm_run run_arms(fixture *f, double mass, double spring, uint32_t delay) 
     r.window_uj = fmax(r.window_uj, 1e6 * (top - lost));
     r.out_uj = fmax(r.out_uj, -1e6 * given);
     for (uint32_t n = 0; n < 3 * FRAY_HANDS; ++n) {
-      r.step_n_ms = fmax(r.step_n_ms, abs(out.force[n / 3][n % 3] - before[n / 3][n % 3]) * 0.0005);
+      r.step_n_ms = fmax(r.step_n_ms, abs(out.force[n / 3][n % 3] - before[n / 3][n % 3]) * 0.5e-6 * f->facts.rate_hz);
       before[n / 3][n % 3] = out.force[n / 3][n % 3];
     }
   }
   return r;
 }
 
-static arm_run worst_of(uint32_t coupling, uint32_t delay) {
+static arm_run worst_of(uint32_t rate, uint32_t coupling, uint32_t delay) {
   arm_run worst = {0, 0, 0, 0, 0};
   char hands[64];
   snprintf(hands, sizeof hands, " energy_reserve 2 J\n delay %u\n", delay);
   for (uint32_t n = delay % every; n < ARMS; n += every) {
     fixture_scoped f = {0};
-    held_cloth_open(&f, coupling, "", hands, "");
+    held_cloth_open_at(&f, rate, coupling, "", hands, "");
     const arm_run r = run_arms(&f, masses[n % MASSES], springs[n / MASSES], delay);
     keep_worst(&worst, &r);
   }
   printf(
-      "figure coupling of %u N/m, delay %u: out %.3g uJ, any window %.3g uJ, meters off %.3g uJ, "
+      "figure %u Hz, coupling of %u N/m, delay %u: out %.3g uJ, any window %.3g uJ, meters off %.3g uJ, "
       "controller %.3g uJ, step %.3g N/ms\n",
-      coupling, delay, worst.out_uj, worst.window_uj, worst.meter_uj, worst.taken_uj,
+      rate, coupling, delay, worst.out_uj, worst.window_uj, worst.meter_uj, worst.taken_uj,
       worst.step_n_ms);
   return worst;
 }
@@ -111,7 +112,7 @@ static arm_run worst_of(uint32_t coupling, uint32_t delay) {
 static void the_coupling_gives_nothing(void) {
   for (uint32_t coupling = 1000; coupling <= 2000; coupling += 1000)
     for (uint32_t delay = 1; delay <= 3; ++delay) {
-      const arm_run r = worst_of(coupling, delay);
+      const arm_run r = worst_of(1000, coupling, delay);
       CHECK(r.out_uj <= 0.1);
       CHECK(r.window_uj <= 40);
       CHECK(r.taken_uj == 0);
@@ -120,11 +121,26 @@ static void the_coupling_gives_nothing(void) {
     }
 }
 
+/* The window falls short of the 40 uJ above, as rt/haptics/README.md says: a force is held for a tick, and the arm
+ * goes on in it. It is held to what was measured and a third more. */
+static void at_lower_rates(void) {
+  for (uint32_t rate = 250; rate <= 500; rate += 250)
+    for (uint32_t coupling = 1000; coupling <= 2000; coupling += 1000)
+      for (uint32_t delay = 1; delay <= 3; ++delay) {
+        const arm_run r = worst_of(rate, coupling, delay);
+        CHECK(r.out_uj <= 0.1);
+        CHECK(r.window_uj <= (rate == 500 ? 500 : 2900));
+        CHECK(r.taken_uj == 0);
+        CHECK(r.step_n_ms <= 0.8);
+      }
+}
+
 int main(int argc, char **argv) {
   if (argc > 1 && strcmp(argv[1], "all") == 0) {
     seconds = 60;
     every = 1;
   }
   TEST(the_coupling_gives_nothing);
+  TEST(at_lower_rates);
   return test_end();
 }

@@ -202,7 +202,7 @@ static void start_at_solution(fixture *f, const solution *s, double c, double si
     w->p.y[p] = (int32_t)lrint((a[1][0] * at[0] + a[1][1] * at[1]) * FX_LU);
   }
   for (uint32_t t = 0; t < (uint32_t)w->trimesh.state->triangles; ++t)
-    for (uint32_t n = 0; n < SMOOTHED_STRAIN_POLES; ++n) w->membrane.smoothed_strains[t].mean[n] = g;
+    for (uint32_t n = 0; n < SMOOTHED_STRAIN_POLES; ++n) w->membrane.stiffness[t].mean[n] = g;
 }
 
 typedef struct {

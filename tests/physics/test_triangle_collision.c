@@ -143,7 +143,7 @@ static void nothing_passes(void) {
   } cases[] = {{"folded", folded, 400, 10},
                {"heap", heap, 1200, 10},
                {"boxed", boxed, 600, 10},
-               {"torn", torn, 600, 5},
+               {"torn", torn, 600, 1},
                {"slashed", slashed, 250, 0}};
   for (uint32_t n = 0; n < sizeof cases / sizeof cases[0]; ++n) {
     fixture_scoped f = {0};

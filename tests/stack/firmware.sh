@@ -22,7 +22,7 @@ firmware() { # NAME OPT [WHAT]
   rm -f "$stack_work/$1-$2.elf"*
   case ${3:-woven} in
     woven) set -- "$1" "$2" "-DFRAY_TRIANGLES=0 -DFRAY_STRETCH=0" ;;
-    sheets) set -- "$1" "$2" "-DFRAY_MESHES=0 -DFRAY_CRACKS=0" ;;
+    sheets) set -- "$1" "$2" "-DFRAY_MESHES=0 -DFRAY_CRACKS=0 -Wl,--defsym=code_max=144K" ;;
     meshes) set -- "$1" "$2" -Wl,--defsym=code_max=256K ;;
   esac
   # shellcheck disable=SC2086

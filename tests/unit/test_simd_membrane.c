@@ -59,7 +59,7 @@ static void move_all(arrays *a, fray_world *w) {
   MOVE(10, membrane.gains, triangles);
   MOVE(11, trimesh.weights, triangles);
   MOVE(12, membrane.plates, PLATE_COLUMNS * w->capacity[POOL_TRIANGLES]);
-  MOVE(13, membrane.smoothed_strains, triangles);
+  MOVE(13, membrane.stiffness, triangles);
   MOVE(14, membrane.stress, triangles);
   MOVE(15, membrane.folds, FOLD_COLUMNS * bend_fold_stride(w));
   MOVE(16, membrane.normals, triangles);
@@ -114,7 +114,7 @@ static void throw_folds(const fray_world *w, uint32_t of_moments, uint32_t of_le
   const uint32_t of_rates = 1 + draw_below(31);
   for (uint32_t t = 0; t < (uint32_t)w->trimesh.state->triangles; ++t) {
     for (uint32_t h = PLATE_H00; h <= PLATE_H12; ++h) bend_plate_column(w, h)[t] = some(of_moments > 28 ? 28 : of_moments);
-    for (uint32_t g = PLATE_G01; g <= PLATE_G22; ++g) bend_plate_column(w, g)[t] = some(of_lengths);
+    for (uint32_t k = 0; k < 3; ++k) bend_plate_column(w, PLATE_PER_LENGTH_0 + k)[t] = some(of_lengths);
   }
   for (uint32_t n = 0; n < w->membrane.fold_count; ++n) {
     bend_fold_column(w, FOLD_SHARE)[n] = draw_between(0, BEND_ONE);

@@ -66,7 +66,7 @@ function rounds(what) {
   # a lane's words by two; what is left of it is a part of its loop over lanes
   if (what == "hash_pairs") return rounds("hash_words") / 2
   if (what == "hash_byte_pairs") return 3 * particles / 2
-  if (what == "hash_words") return 6 * particles + 40 + 12 * bodies + yarns * (5 + 6 * spares) + (triangles ? 13 + 11 * triangles : 0)
+  if (what == "hash_words") return 6 * particles + 40 + 12 * bodies + yarns * (5 + 6 * spares) + (triangles ? 13 + 18 * triangles : 0)
   if (what == "zeroed") return cleared_bytes + motion_bytes * bodies + (triangles ? 32 * particles + 16 * triangles : 0)
   if (what == "zeroed_words") return (cleared_bytes + motion_bytes * bodies) / 4 + 64 + (triangles ? 8 * particles + 4 * triangles : 0)
   # the n-th that enters a heap rises by log2 n at most; once that is full one sinks between two below it
@@ -85,9 +85,11 @@ function rounds(what) {
   if (what == "lines") return 6 * triangles
   if (what == "sheet_steps") return sheet_inner * substeps
   if (what == "pulls") return triangles * sheet_inner * substeps
-  if (what == "folds") return triangles * 3 / 2 * folds * substeps
-  if (what == "bend_triangles") return triangles * folds * substeps
-  if (what == "begun_vertices") return (triangles != 0) * particles * substeps
+  # angles are found twice more where triangles are pressed; an eighth of the triangles follows
+  if (what == "folds") return triangles * 3 / 2 * (folds * substeps + 2)
+  if (what == "bend_triangles") return triangles * (folds * substeps + 2)
+  if (what == "begun_vertices") return (triangles != 0) * particles * (substeps + 2)
+  if (what == "followed") return triangles * 9 / 8
   if (what == "summed_vertices") return particles * sheet_inner * substeps
   if (what == "inner_bodies") return bodies * sheet_inner * substeps
   if (what == "inner_planes") return free_bodies * planes * sheet_inner * substeps

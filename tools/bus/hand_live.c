@@ -177,6 +177,13 @@ static int open_bus(hand_live *l) {
   return can_open(&l->can, l->o->interface, &setting);
 }
 
+/* The arms' own account; below 0 they were given. */
+static void print_arms(const hand_live *l) {
+  if (l->script->arm_mass_mg == 0) return;
+  for (uint32_t h = 0; h < FRAY_HANDS; ++h)
+    printf("arm          %s gave %.3f mJ\n", h == 0 ? "left" : "right", l->simulated_device.handle[h].arm.given * 1e3);
+}
+
 static int run_on_bus(hand_live *l) {
   if (!open_bus(l)) return 2;
   timer_begin(&l->timer, l->script->rate_hz);
@@ -185,6 +192,7 @@ static int run_on_bus(hand_live *l) {
   can_close(&l->can);
   printf("hand         %s: %" PRIu64 " SYNCs, %" PRIu64 " frames sent, %" PRIu64 " refused, %" PRIu64 " flooded\n", l->can.name,
          l->syncs, l->sent, l->refused, l->flooded);
+  print_arms(l);
   if (l->key != NULL) {
     const char *why = bus_key_complaint(l->key);
     bus_key_print(l->key, stdout);

@@ -516,6 +516,16 @@ static int32_t lowpass_shift_of(uint32_t rate_hz) {
   return shift;
 }
 
+/* A strain of 1/2 both ways has an energy below MATERIAL_ENERGY_MAX. */
+static int32_t energy_shift_of(const material_table *f) {
+  int32_t most = 1;
+  int32_t bits = 1;
+  for (uint32_t r = 0; r < MATERIAL_ROWS; ++r)
+    for (uint32_t n = 0; n < MATERIAL_ENTRIES; ++n) most = fx_max(most, f->stretch[r][n]);
+  while (most >> bits != 0) ++bits;
+  return bits;
+}
+
 int draft_membrane_params(draft *d, fray_world *w) {
   const scene *s = d->scene;
   trimesh_params *mesh = WRITABLE(trimesh_params, w->trimesh.params);
@@ -556,6 +566,7 @@ int draft_membrane_params(draft *d, fray_world *w) {
   c->norm2_max = norm2_borne(d, stressed, wanted);
   c->wind_shift = c->bend_row_max = 1;
   c->bend_bits = 13;
+  c->energy_shift = energy_shift_of(w->membrane.materials);
   c->smoothing_shift = lowpass_shift_of(s->rate_hz);
   if (s->membrane.strain_limit.numerator != 0 &&
       !draft_fixed_point(d, draft_given(BLOCK_CLOTH, "strain_limit", UNIT_SHARE, s->membrane.strain_limit),

@@ -106,7 +106,9 @@ static void still_scene(const scene *s, scene *still) {
   still->woven.tearing = 0;
   for (uint32_t n = 0; n < still->body_count; ++n) {
     scene_body *b = &still->bodies[n];
-    if (b->motion == FRAY_PATH || (b->motion == FRAY_FREE && !b->has_attach)) b->motion = FRAY_FIXED;
+    const int is_thrown = b->motion == FRAY_FREE && !b->has_attach;
+    if (b->motion == FRAY_PATH || is_thrown) b->motion = FRAY_FIXED;
+    if (is_thrown) b->is_handle = 0;
   }
 }
 
