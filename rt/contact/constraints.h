@@ -12,7 +12,7 @@ void contact_constraints_solve(fray_world *w, const elastic_step *step);
 /* Behind the elastic steps, whose positions it changes: what got into a primitive nevertheless. */
 void contact_guard_apply(fray_world *w);
 
-/* The edge of the world, in the same way. */
+/* The edge of the world: once a substep, and in each step. */
 void world_edge_find(fray_world *w);
 void world_edge_solve(fray_world *w, const elastic_step *step);
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The edge of the world for vertices of a membrane: what would pass it within an elastic step is stopped, at
- * the velocity. No impulse makes energy by itself (elastic/step_passive.h). Vertices stop LU / 16 before the
- * edge, and are looked after from half a lu on: one at rest may be driven there by what still comes. */
+ * the velocity, with no more energy than contact has taken (elastic/step_passive.h). Vertices stop LU / 16
+ * before the edge, and are looked after from half a lu on: one at rest may be driven there by what still
+ * comes. */
 #include "rt/contact/constraints.h"
 #include "rt/elastic/step_passive.h"
 

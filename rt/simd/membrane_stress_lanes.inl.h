@@ -232,7 +232,9 @@ LANES_INLINE int membrane_stress_lanes_group(const stress_view *v, uint32_t firs
       !membrane_stress_lanes_energy(v, target, &s, stress, &full) ||
       mask_bits(lanes_greater(full, lanes_set(MATERIAL_ENERGY_MAX - 1))) != 0)
     return 0;
-  const lanes slowly = lanes_max(lanes_asr(was, v->smoothing_shift), lanes_set(MATERIAL_ENERGY_LEAST));
+  const lanes times = lanes_add(lanes_shl(was, 1), was); /* STIFFNESS_RISE */
+  const lanes slowly =
+      lanes_max(lanes_asr(times, v->smoothing_shift + STIFFNESS_RISE_BITS), lanes_set(MATERIAL_ENERGY_LEAST));
   const lanes rise = lanes_sub(full, was);
   const lanes room = lanes_max(lanes_sub(lanes_set(0), rest[3]), slowly);
   const lane_mask held = lanes_greater(rise, room);

@@ -70,7 +70,11 @@ typedef struct {
   int32_t owed;                /* material_energy() that a c which followed the strain has made */
 } stiffness_state;
 enum { STIFFNESS_STATE_WORDS = sizeof(stiffness_state) / 4, MATERIAL_ENERGY_MAX = 1 << 28 };
-enum { MATERIAL_ENERGY_LEAST = 16 }; /* below, energies are rounding */
+enum {
+  MATERIAL_ENERGY_LEAST = 16, /* below, energies are rounding */
+  STIFFNESS_RISE = 3,
+  STIFFNESS_RISE_BITS = 3 /* by 3/8 of its energy while a strain is smoothed */
+};
 
 /* A product with a strain, in the other factor's format. */
 static inline int32_t material_round(int64_t product) {
