@@ -12,10 +12,10 @@
  * step.
  *
  * A c that follows the strain changes the energy of a triangle without work. So it rises slowly: in a tick
- * it adds at most what it took before, or a part of the energy, e-fold in 0.17 s (slower, a shirt that a ball
- * breaks through is drawn beyond a strain of 4; faster, cloth that is drawn there makes more than a hundredth).
- * What it has added is `owed`, until stretch_repay.c takes it from the motion that it has become, and does not
- * count as energy until then. */
+ * it adds at most what it took before, or a part of the energy, e-fold in 0.17 s (slower, a shirt that a
+ * ball breaks through is drawn beyond a strain of 4; faster, cloth that is drawn there makes more than a
+ * hundredth). What it has added is `owed`, until stretch_repay.c takes it from the motion that it has
+ * become, and does not count as energy until then. */
 #include "rt/membrane/membrane.h"
 #include "rt/membrane/strain_law.h"
 #include "rt/simd/simd.h"
