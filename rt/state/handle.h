@@ -94,7 +94,10 @@ typedef struct {
   int32_t from[3], to[3]; /* the proxy's way, Q24 lu */
   int64_t at[3];          /* where it is on it: Q28 lu */
   int64_t impulse[3];     /* what the body gained from it, Q28 lu per substep */
-  int32_t speed[3];       /* of the body when the elastic step began, Q28 */
+#if FRAY_ENERGY
+  int32_t speed[3];                /* of the body when the elastic step began, Q28 */
+  int64_t by_spring[3], by_damper[3]; /* what it gained from them in that step */
+#endif
 } handle_motion;
 
 /* From the body, Q28 lu, to its proxy. What is beyond 8 lu along an axis does not count: there the force is

@@ -23,7 +23,7 @@ void elastic_steps_run(fray_world *w, uint32_t substep) {
   world_edge_find(w);
   for (int32_t number = 0; number < w->membrane.constants->steps; ++number) {
     const elastic_step step = membrane_step_force(w, &view, substep, number);
-    if (world_has_handles(w)) step_handles_mark(w);
+    step_handles_mark(w);
     step_bodies_pull(w, &step);
     if (world_has_handles(w))
       step_handles_pull(w, &step, (int32_t)substep * w->membrane.constants->steps + number);
@@ -47,6 +47,7 @@ void elastic_steps_run(fray_world *w, uint32_t substep) {
     self_constraints_solve(w, &step);
     impact_zone_steps_share(w, &step);
     step_meter_mark(w, STEP_MARKS);
+    step_handles_meter(w);
     membrane_step_move(w, &view);
     step_bodies_move(w, &step, number);
   }

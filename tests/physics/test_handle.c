@@ -2,6 +2,7 @@
 /* Handles: what the device feels of a weight, of another hand, of noise and of a tear; where the
  * proxy is; the energy of it all; images with and without them. */
 #include "rt/base/bytes.h"
+#include "tests/lib/energy_account.h"
 #include "tests/lib/held_cloth.h"
 #include "tests/lib/test.h"
 
@@ -248,6 +249,30 @@ static void the_ledger_closes(void) {
 }
 
 /* Saved in the middle of a motion and opened, a world goes on with the same hashes. */
+/* A hand draws a pinned sheet against its strain limit and stays there: what a damper takes in a step follows from
+ * all impulses of that step. */
+static void a_held_limit_makes_none(void) {
+  fixture_scoped f = {0};
+  double turned = 0, most = 0;
+  fixture_text(&f, "scene limit\nmembrane {\n columns 5\n rows 2\n cell 2.4745 cm\n material rag\n orientation horizontal\n strain_limit 14 %\n}\n"
+                   "material rag {\n density 48.3 g/m2\n young 8.76 MPa\n}\npin row top\n"
+                   "sphere b {\n radius 1 cm\n attach_within 0.8377 cm\n at -1.7417 0 0.971 cm\n move hand left\n mass 24.78 g\n"
+                   " coupling 2231 N/m\n}\n");
+  (void)fixture_start_hands(&f, 100);
+  fray_energy_watch(f.w);
+  for (uint32_t tick = 0; tick < 1000; ++tick) {
+    const int32_t up = 100 * ((int32_t)tick + 1);
+    const int32_t at[FRAY_HANDS][3] = {{0, up < 15000 ? up : 15000, 0}, {0, 0, 0}};
+    const fray_input input = fixture_poses(&f, at, tick);
+    (void)fixture_tick(&f, &input);
+    const fray_energy_account a = fray_energy(f.w);
+    turned = fmax(turned, account_supplied(&a));
+    most = fmax(most, account_net(&a, FRAY_ENERGY_STEPS));
+  }
+  printf("figure handle_limit_made %.3g of what was supplied (asked: at most 1e-4)\n", most / turned);
+  CHECK(most <= 1e-4 * turned);
+}
+
 static void a_save_goes_on(void) {
   fixture_scoped f = {0};
   fixture_scoped copy = {0};
@@ -323,6 +348,7 @@ int main(void) {
   TEST(a_proxy_is_an_affine_function_of_the_device);
   TEST(states_hold);
   TEST(the_ledger_closes);
+  TEST(a_held_limit_makes_none);
   TEST(a_save_goes_on);
   TEST(only_images_with_handles_are_newer);
   TEST(a_coupling_that_steps_cannot_bear_is_refused);
