@@ -167,7 +167,7 @@ static void stop_vertex(fray_world *w, const collider *t, uint32_t p, vec3 was) 
 void collider_pin(fray_world *w, const collider *t, uint32_t p, const ccd_path *path) {
   const vec3 was = world_position(w, p);
   ++w->work.mesh_pins;
-  if (world_has_triangle_collision(w)) {
+  if (world_repeats_ticks(w)) {
     w->attempt.vertices[p].pinned = 1;
     w->attempt.vertices[p].pinned_to = (uint8_t)t->body;
   }

@@ -11,7 +11,7 @@ enum { STEP_NO_BODY = 0xFFFF };
 /* Its zone, or NULL. */
 static inline self_zone *step_zone_of(const fray_world *w, uint32_t p) {
   FRAY_ASSERT(p < w->p.count);
-  if (!world_has_triangle_collision(w) || w->attempt.begin->joined_any == 0) return NULL;
+  if (!world_repeats_ticks(w) || w->attempt.begin->joined_any == 0) return NULL;
   self_zone *z = &w->self.zones[w->attempt.vertices[p].joined];
   return z->members > 1 || z->held != STEP_NO_BODY ? z : NULL;
 }

@@ -116,6 +116,11 @@ static void derive_pools(uint32_t capacity[POOLS]) {
   const uint32_t tiles = capacity[POOL_TRIANGLE_PAIRS] != 0 ? across * across : 0;
   capacity[POOL_PATCHES] = tiles;
   capacity[POOL_PATCH_PAIRS] = tiles != 0 ? tiles * (tiles - 1u) / 2u : 0;
+#if FRAY_TRIANGLES && FRAY_MESHES
+  const int repeats = capacity[POOL_TRIANGLE_PAIRS] != 0 || capacity[POOL_RIGID_MESH_WORDS] != 0;
+  const uint32_t zones = capacity[capacity[POOL_TRIANGLE_PAIRS] != 0 ? POOL_PARTICLES : POOL_BODIES];
+  capacity[POOL_ZONES] = capacity[POOL_TRIANGLES] != 0 && repeats ? zones + 1u : 0;
+#endif
   const int64_t spares = (int64_t)capacity[POOL_PARTICLES] - capacity[POOL_CROSSINGS];
   capacity[POOL_YARN_CONTACTS] = capacity[POOL_SPLITS] != 0 && spares > 0 ? (uint32_t)spares : 0;
 }

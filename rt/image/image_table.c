@@ -14,6 +14,7 @@
   {#field, id, role, kind, pool, POOL_TRIANGLES, words, AT(field)}
 #define LAYERS(kind, pool, bytes, field)                                                                   \
   { #field, 0, ROLE_TICK, kind, pool, POOL_TRIANGLE_PAIRS, bytes, AT(field) }
+#define REPEATS(kind, pool, bytes, field) {#field, 0, ROLE_TICK, kind, pool, POOL_ZONES, bytes, AT(field)}
 #define SELVES(kind, pool, bytes, field) {#field, 0, ROLE_TICK, kind, pool, POOL_YARN_PAIRS, bytes, AT(field)}
 #define MESH(id, role, kind, pool, words, field) \
   {"trimesh." #field, id, role, kind, pool, POOL_TRIANGLES, words, AT(trimesh) + offsetof(trimesh, field)}
@@ -172,15 +173,17 @@ const image_array image_arrays[] = {
     LAYERS(KIND_STRUCT, POOL_TRIANGLES, sizeof(box_cluster), tri.clusters),
     LAYERS(KIND_STRUCT, POOL_PATCHES, sizeof(triangle_patch), tri.patches),
     LAYERS(KIND_STRUCT, POOL_PATCH_PAIRS, sizeof(patch_pair), tri.patch_pairs),
-    LAYERS(KIND_STRUCT, POOL_PARTICLES, sizeof(self_zone), self.zones),
     LAYERS(KIND_ID, POOL_PARTICLES, 1, self.zone_of),
     LAYERS(KIND_BYTE, POOL_PARTICLES, 1, self.moved_round),
     LAYERS(KIND_STRUCT, POOL_PARTICLES, SELF_CONSTRAINTS * sizeof(self_constraint), tri.constraints),
-    LAYERS(KIND_STRUCT, POOL_STATE, sizeof(attempt_begin), attempt.begin),
-    LAYERS(KIND_STRUCT, POOL_PARTICLES, sizeof(attempt_vertex), attempt.vertices),
-    LAYERS(KIND_STRUCT, POOL_BODIES, sizeof(attempt_body), attempt.bodies),
-    LAYERS(KIND_STRUCT, POOL_TRIANGLES, sizeof(bend_state), attempt.bend_states),
-    LAYERS(KIND_WORD, POOL_TRIANGLES, 1, attempt.owed),
+#endif
+#if FRAY_TRIANGLES && FRAY_MESHES
+    REPEATS(KIND_STRUCT, POOL_ZONES, sizeof(self_zone), self.zones),
+    REPEATS(KIND_STRUCT, POOL_STATE, sizeof(attempt_begin), attempt.begin),
+    REPEATS(KIND_STRUCT, POOL_PARTICLES, sizeof(attempt_vertex), attempt.vertices),
+    REPEATS(KIND_STRUCT, POOL_BODIES, sizeof(attempt_body), attempt.bodies),
+    REPEATS(KIND_STRUCT, POOL_TRIANGLES, sizeof(bend_state), attempt.bend_states),
+    REPEATS(KIND_WORD, POOL_TRIANGLES, 1, attempt.owed),
 #endif
 };
 const uint32_t image_array_count = sizeof image_arrays / sizeof image_arrays[0];

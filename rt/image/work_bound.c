@@ -172,10 +172,8 @@ fray_work fray_work_bound(const fray_world *w) {
     add_woven(w, &most);
   if (world_has_rigid_meshes(w)) add_rigid_meshes(w, &most);
   if (world_has_yarn_collision(w)) add_yarn_collision(w, &most);
-  if (world_has_triangle_collision(w)) {
-    add_triangle_collision(w, &most);
-    repeat_substeps(&most);
-  }
+  if (world_has_triangle_collision(w)) add_triangle_collision(w, &most);
+  if (world_repeats_ticks(w)) repeat_substeps(&most);
   if (world_has_blades(w)) add_blades(w, &most);
   return most;
 }

@@ -43,10 +43,14 @@ static void add_row(fray_world *w, wide_number *row, wide_number work) {
 
 static int32_t axis_of(const elastic_impulse *a, uint32_t n) { return n == 0 ? a->x : n == 1 ? a->y : a->z; }
 
-/* The stage behind which mark n + 1 is. */
-static const fray_energy_stage marked_stage[STEP_MARKS] = {FRAY_ENERGY_SELF_COLLISION, FRAY_ENERGY_STEPS,
-                                                           FRAY_ENERGY_LIMITS, FRAY_ENERGY_CONTACT,
-                                                           FRAY_ENERGY_SELF_COLLISION};
+/* The stage behind which a mark is. */
+static fray_energy_stage stage_of(const fray_world *w, uint32_t mark) {
+  static const fray_energy_stage stages[STEP_MARKS] = {FRAY_ENERGY_SELF_COLLISION, FRAY_ENERGY_STEPS,
+                                                       FRAY_ENERGY_LIMITS, FRAY_ENERGY_CONTACT,
+                                                       FRAY_ENERGY_SELF_COLLISION};
+  FRAY_ASSERT(mark != 0 && mark <= STEP_MARKS);
+  return mark == 1 ? world_zone_stage(w) : stages[mark - 1u];
+}
 
 static void meter_stages(fray_world *w, const step_view *k, uint32_t p, uint32_t n, const metered_axis *a) {
   const metered_impulse *m = &w->membrane.metered_impulses[p];
@@ -59,7 +63,7 @@ static void meter_stages(fray_world *w, const step_view *k, uint32_t p, uint32_t
     const int32_t behind = mark < STEP_MARKS ? axis_of(&m->sum[mark - 1u], n) : end;
     const int64_t part = (int64_t)behind - before;
     if (part != 0)
-      add_row(w, &w->energy.stage[marked_stage[mark - 1u]],
+      add_row(w, &w->energy.stage[stage_of(w, mark)],
               times_half(part, twice_before + change_of(k, p, before) + change_of(k, p, behind),
                          ELASTIC_IMPULSE_BITS));
     before = behind;
@@ -90,7 +94,7 @@ static void meter_body(fray_world *w, uint32_t b, uint32_t mark) {
     if (mark == 0)
       m->forced[n] = speed - before * (1 << 16);
     else
-      add_row(w, &w->energy.stage[marked_stage[mark - 1u]],
+      add_row(w, &w->energy.stage[stage_of(w, mark)],
               body_is_driven(&w->rigid.bodies[b])
                   ? wide_product(m->impulse[n] - impulse, s->velocity[n], 2 * FX_VELOCITY_BITS)
                   : free_work(w, b, speed - m->speed[n], speed + m->speed[n] - m->forced[n]));

@@ -19,7 +19,7 @@
 enum { MASS_MAX = 1 << 24, MASS_BITS = VERTEX_MASS_BITS };
 
 static int has_zones(const fray_world *w) {
-  return world_has_triangle_collision(w) && w->attempt.begin->joined_any != 0;
+  return world_repeats_ticks(w) && w->attempt.begin->joined_any != 0;
 }
 
 static int32_t mass_of(const vertex_mass_scale *scale, uint32_t p) {
@@ -28,10 +28,18 @@ static int32_t mass_of(const vertex_mass_scale *scale, uint32_t p) {
 
 /* ---- zones of an attempt ---- */
 
+/* Of self-collision its root; else that of its body, or the last, which has no member. */
+static uint32_t zone_of(fray_world *w, uint32_t p) {
+  const uint32_t body = w->attempt.vertices[p].joined_body;
+  if (world_has_triangle_collision(w)) return impact_zones_joined(w, p);
+  return body != 0 ? body - 1u : world_zones(w) - 1u;
+}
+
 static void find_members(fray_world *w, const vertex_mass_scale *scale, uint32_t p) {
   attempt_vertex *v = &w->attempt.vertices[p];
-  v->joined = (index_t)impact_zones_joined(w, p);
+  v->joined = (index_t)zone_of(w, p);
   self_zone *z = &w->self.zones[v->joined];
+  if (v->joined == world_zones(w) - 1u) return;
   ++z->members;
   if (!particle_is_attached(w, p)) z->whole += mass_of(scale, p);
   if (z->held != STEP_NO_BODY) return;
@@ -45,10 +53,10 @@ void impact_zone_steps_begin(fray_world *w) {
   static const self_zone empty = {{0, 0, 0}, 0, {0, 0, 0}, {0, 0, 0}, 0, 0, 0, STEP_NO_BODY};
   const vertex_mass_scale scale = vertex_mass_scale_of(w);
   if (!has_zones(w)) return;
-  for (uint32_t p = 0; p < w->p.count; ++p) w->self.zones[p] = empty;
+  for (uint32_t n = 0; n < world_zones(w); ++n) w->self.zones[n] = empty;
   for (uint32_t p = 0; p < w->p.count; ++p) find_members(w, &scale, p);
-  for (uint32_t p = 0; p < w->p.count; ++p) {
-    self_zone *z = &w->self.zones[p];
+  for (uint32_t n = 0; n < world_zones(w); ++n) {
+    self_zone *z = &w->self.zones[n];
     if (z->whole != 0)
       z->inverse_mass = (uint32_t)fx_clamp64(((int64_t)1 << 40) / z->whole, 0, INT32_MAX);
   }
@@ -58,9 +66,10 @@ void impact_zone_steps_leave_edges(fray_world *w) {
   uint32_t kept = 0;
   limited_edge *edges = w->membrane.limited_edges;
   if (!has_zones(w)) return;
-  for (uint32_t n = 0; n < w->membrane.limited_edge_count; ++n)
-    if (w->attempt.vertices[edges[n].i].joined != w->attempt.vertices[edges[n].j].joined)
-      edges[kept++] = edges[n];
+  for (uint32_t n = 0; n < w->membrane.limited_edge_count; ++n) {
+    const self_zone *zone = step_zone_of(w, edges[n].i);
+    if (zone == NULL || zone != step_zone_of(w, edges[n].j)) edges[kept++] = edges[n];
+  }
   w->membrane.limited_edge_count = kept;
 }
 
@@ -124,14 +133,14 @@ static void find_mean(const fray_world *w, self_zone *z, zone_quantity q) {
 
 static void find_means(fray_world *w, const elastic_step *step, zone_quantity q, zone_choice of) {
   const vertex_mass_scale scale = vertex_mass_scale_of(w);
-  for (uint32_t p = 0; p < w->p.count; ++p)
-    w->self.zones[p].sum[0] = w->self.zones[p].sum[1] = w->self.zones[p].sum[2] = 0;
+  for (uint32_t n = 0; n < world_zones(w); ++n)
+    w->self.zones[n].sum[0] = w->self.zones[n].sum[1] = w->self.zones[n].sum[2] = 0;
   for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
     self_zone *z = &w->self.zones[w->attempt.vertices[p].joined];
     if (is_chosen(w, z, of)) sum_vertex(w, z, p, mass_of(&scale, p), step, q);
   }
-  for (uint32_t p = 0; p < w->p.count; ++p)
-    if (is_chosen(w, &w->self.zones[p], of)) find_mean(w, &w->self.zones[p], q);
+  for (uint32_t n = 0; n < world_zones(w); ++n)
+    if (is_chosen(w, &w->self.zones[n], of)) find_mean(w, &w->self.zones[n], q);
 }
 
 /* ---- a step ---- */
@@ -176,6 +185,8 @@ void impact_zone_steps_share(fray_world *w, const elastic_step *step) {
 
 /* ---- the end of a tick ---- */
 
+static int acts_at_end(const fray_world *w) { return world_has_triangle_collision(w) || has_zones(w); }
+
 static elastic_step last_step_of(const fray_world *w) {
   const int32_t steps = w->membrane.constants->steps;
   const elastic_step last = {{step_part_of(w->gravity_step.x, steps - 1, steps),
@@ -207,6 +218,7 @@ static void part_from_body(fray_world *w, uint32_t p, vec3 half, const elastic_s
 }
 
 void impact_zone_steps_ahead(fray_world *w) {
+  if (!acts_at_end(w)) return;
   const elastic_step last = last_step_of(w);
   for (uint32_t p = 0; p < w->p.count; ++p) {
     const vec3 half = step_half_of(w, p, &last);
@@ -216,6 +228,7 @@ void impact_zone_steps_ahead(fray_world *w) {
 }
 
 void impact_zone_steps_back(fray_world *w) {
+  if (!acts_at_end(w)) return;
   const elastic_step last = last_step_of(w);
   for (uint32_t p = 0; p < w->p.count; ++p)
     set_velocity(w, p, vec_sub_saturated(world_velocity(w, p), own_half_of(w, p, &last)));

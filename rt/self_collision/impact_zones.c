@@ -93,7 +93,7 @@ int impact_zones_are_near(const fray_world *w) {
 /* ---- for another attempt ---- */
 
 void impact_zones_forget(fray_world *w) {
-  FRAY_ASSERT(world_has_triangle_collision(w));
+  FRAY_ASSERT(world_repeats_ticks(w));
   for (uint32_t p = 0; p < w->p.count; ++p) {
     w->attempt.vertices[p].joined = (index_t)p;
     w->attempt.vertices[p].joined_body = w->attempt.vertices[p].pinned = 0;
@@ -101,18 +101,22 @@ void impact_zones_forget(fray_world *w) {
   w->attempt.begin->joined_any = w->attempt.begin->joined_new = 0;
 }
 
-void impact_zones_keep(fray_world *w) {
-  const zone_tree joined = joined_tree_of(w);
-  int grown = 0;
-  FRAY_ASSERT(world_has_triangle_collision(w));
+void impact_zones_keep_pinned(fray_world *w) {
+  FRAY_ASSERT(world_repeats_ticks(w));
   for (uint32_t p = 0; p < w->p.count; ++p) {
     attempt_vertex *v = &w->attempt.vertices[p];
-    grown |= join(&joined, p, impact_zones_of(w, p));
     if (v->pinned == 0 || v->joined_body != 0) continue;
     v->joined_body = (uint8_t)(v->pinned_to + 1u);
-    grown = 1;
+    w->attempt.begin->joined_new = 1;
   }
-  w->attempt.begin->joined_new |= (uint32_t)grown;
+}
+
+void impact_zones_keep(fray_world *w) {
+  const zone_tree joined = joined_tree_of(w);
+  FRAY_ASSERT(world_has_triangle_collision(w));
+  for (uint32_t p = 0; p < w->p.count; ++p)
+    w->attempt.begin->joined_new |= (uint32_t)join(&joined, p, impact_zones_of(w, p));
+  impact_zones_keep_pinned(w);
 }
 
 void impact_zones_keep_pair(fray_world *w, uint32_t p, uint32_t q) {

@@ -16,8 +16,9 @@ void impact_zones_join(fray_world *w, uint32_t p, uint32_t q);
 /* A tick of a membrane may be done again with the zones that it has found. Before its first attempt
  * there are none. */
 void impact_zones_forget(fray_world *w);
-/* Adds the zones of now, and the bodies that vertices are pinned to, to those for the next attempt;
+/* Adds the bodies that vertices are pinned to to those for the next attempt, or these and the zones of now;
  * joined_new: some are new. */
+void impact_zones_keep_pinned(fray_world *w);
 void impact_zones_keep(fray_world *w);
 /* Puts two into one of these zones; or all that are not attached: FRAY_FAULT_SELF_COLLISION_BUDGET. */
 void impact_zones_keep_pair(fray_world *w, uint32_t p, uint32_t q);

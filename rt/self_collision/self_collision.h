@@ -8,8 +8,6 @@
 /* Before the first substep: positions at the start of the tick. */
 void yarn_collision_begin(fray_world *w);
 void triangle_collision_begin(fray_world *w);
-/* Positions of triangles back to those. */
-void triangle_collision_rewind(fray_world *w);
 
 /* In the last substep: of yarns after breaks and splits, of triangles after all that moves vertices. */
 void yarn_collision_solve(fray_world *w);

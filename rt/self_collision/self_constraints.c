@@ -44,6 +44,15 @@ static void move_ahead(fray_world *w) {
   }
 }
 
+static void move_back(fray_world *w) {
+  for (uint32_t p = 0; p < w->p.count; ++p) {
+    const vec3 begin = w->self.paths[p].begin;
+    w->p.x[p] = begin.x;
+    w->p.y[p] = begin.y;
+    w->p.z[p] = begin.z;
+  }
+}
+
 void self_constraints_find(fray_world *w) {
   const int32_t faults = w->state->faults;
   FRAY_ASSERT(world_has_triangle_collision(w));
@@ -54,7 +63,7 @@ void self_constraints_find(fray_world *w) {
   if (triangle_collision_find(w, 1))
     for (uint32_t n = 0; n < w->tri.list->active; ++n)
       triangle_collision_constrain(w, &w->tri.pairs[w->tri.active[n]]);
-  triangle_collision_rewind(w);
+  move_back(w);
   w->state->faults = faults; /* what has no room here is found again behind the steps */
 }
 

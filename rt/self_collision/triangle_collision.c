@@ -52,18 +52,7 @@ void triangle_collision_merge(fray_world *w, const triangle_pair *pair) { pair_m
 void triangle_collision_begin(fray_world *w) {
   FRAY_ASSERT(world_has_triangle_collision(w));
   patches_advance(w);
-  impact_zones_forget(w);
   for (uint32_t p = 0; p < w->p.count; ++p) w->self.paths[p].begin = world_position(w, p);
-}
-
-void triangle_collision_rewind(fray_world *w) {
-  FRAY_ASSERT(world_has_triangle_collision(w));
-  for (uint32_t p = 0; p < w->p.count; ++p) {
-    const vec3 begin = w->self.paths[p].begin;
-    w->p.x[p] = begin.x;
-    w->p.y[p] = begin.y;
-    w->p.z[p] = begin.z;
-  }
 }
 
 /* Tests changed paths against bodies. The predicted position of a pinned vertex moves with it, so that
@@ -110,7 +99,6 @@ static void solve(fray_world *w) {
 
 void triangle_collision_solve(fray_world *w) {
   FRAY_ASSERT(world_has_triangle_collision(w));
-  w->attempt.begin->joined_new = 0;
   solve(w);
   impact_zones_keep(w);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A tick of a membrane with self-collision may be attempted again (tick/tick_membrane.c): what it
- * began with, but for positions, which are where the paths of self-collision begin; and the impact
- * zones that earlier attempts have found. Of one tick, and in no other world. */
+/* A tick of a membrane with self-collision, or beside meshes and spheres whose paths are tested, may be
+ * attempted again (tick/tick_membrane.c): what it began with, and the impact zones that earlier attempts
+ * have found. Of one tick, and in no other world. */
 #ifndef FRAY_STATE_TICK_ATTEMPT_H
 #define FRAY_STATE_TICK_ATTEMPT_H
 
@@ -13,8 +13,9 @@
 enum { TICK_ATTEMPTS = 4 };
 
 typedef struct {
+  vec3 position;       /* Q24 lu */
   vec3 velocity;       /* Q28 lu per substep */
-  index_t joined;      /* a vertex towards the root of its zone */
+  index_t joined;      /* its zone; of self-collision a vertex towards the zone's root */
   int8_t remainder[3]; /* of its position, Q28 */
   uint8_t joined_body; /* 1 + the body that it was pinned to in earlier attempts, or 0 */
   uint8_t pinned;      /* 1: to a body, in this attempt */

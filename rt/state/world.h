@@ -60,6 +60,9 @@ typedef enum {
 #if FRAY_HANDLES
   POOL_HANDLES, /* FRAY_HANDS iff a hand moves a handle, else 0: by the header's features */
 #endif
+#if FRAY_TRIANGLES && FRAY_MESHES
+  POOL_ZONES, /* of a membrane whose ticks may be done again: its vertices or the bodies, and one; else 0 */
+#endif
   POOLS
 } pool_name;
 
@@ -361,6 +364,20 @@ static inline int world_has_yarn_collision(const fray_world *w) {
 }
 static inline int world_has_triangle_collision(const fray_world *w) {
   return FRAY_TRIANGLE_COLLISION && w->features.triangle_collision;
+}
+static inline uint32_t world_zones(const fray_world *w) {
+#if FRAY_TRIANGLES && FRAY_MESHES
+  return w->capacity[POOL_ZONES];
+#else
+  (void)w;
+  return 0;
+#endif
+}
+/* A tick may be done again (tick/rollback.h). */
+static inline int world_repeats_ticks(const fray_world *w) { return world_zones(w) != 0; }
+/* Of what moves as one in it: without self-collision that is what a body stops. */
+static inline fray_energy_stage world_zone_stage(const fray_world *w) {
+  return world_has_triangle_collision(w) ? FRAY_ENERGY_SELF_COLLISION : FRAY_ENERGY_CONTACT;
 }
 static inline int world_has_blades(const fray_world *w) {
   return FRAY_MESHES && FRAY_TRIANGLES && w->features.blades;

@@ -3,12 +3,12 @@
 
 #include "rt/base/bytes.h"
 #include "rt/membrane/membrane.h"
-#include "rt/self_collision/self_collision.h"
 
 enum { FAULTS_KEPT = FRAY_FAULT_SELF_COLLISION_BUDGET };
 
 static void save_vertex(fray_world *w, uint32_t p) {
   attempt_vertex *v = &w->attempt.vertices[p];
+  v->position = world_position(w, p);
   v->velocity = world_velocity(w, p);
   v->remainder[0] = w->p.rx[p];
   v->remainder[1] = w->p.ry[p];
@@ -18,6 +18,9 @@ static void save_vertex(fray_world *w, uint32_t p) {
 static void restore_vertex(fray_world *w, uint32_t p) {
   attempt_vertex *v = &w->attempt.vertices[p];
   v->pinned = 0;
+  w->p.x[p] = v->position.x;
+  w->p.y[p] = v->position.y;
+  w->p.z[p] = v->position.z;
   world_set_velocity(w, p, v->velocity);
   w->p.rx[p] = v->remainder[0];
   w->p.ry[p] = v->remainder[1];
@@ -26,7 +29,7 @@ static void restore_vertex(fray_world *w, uint32_t p) {
 
 void rollback_save(fray_world *w) {
   const tick_attempt *a = &w->attempt;
-  FRAY_ASSERT(world_has_triangle_collision(w));
+  FRAY_ASSERT(world_repeats_ticks(w));
   for (uint32_t p = 0; p < w->p.count; ++p) save_vertex(w, p);
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b) {
     a->bodies[b].state = w->rigid.states[b];
@@ -46,8 +49,7 @@ void rollback_save(fray_world *w) {
 
 void rollback_restore(fray_world *w) {
   const tick_attempt *a = &w->attempt;
-  FRAY_ASSERT(world_has_triangle_collision(w));
-  triangle_collision_rewind(w);
+  FRAY_ASSERT(world_repeats_ticks(w));
   for (uint32_t p = 0; p < w->p.count; ++p) restore_vertex(w, p);
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b) {
     w->rigid.states[b] = a->bodies[b].state;

@@ -8,10 +8,21 @@
 #include "rt/integrate/integrate.h"
 #include "rt/membrane/membrane.h"
 #include "rt/self_collision/impact_zone_steps.h"
+#include "rt/self_collision/impact_zones.h"
 #include "rt/self_collision/self_collision.h"
 #include "rt/self_collision/self_constraints.h"
 #include "rt/tick/rollback.h"
 #include "rt/tick/tick.h"
+
+/* What this attempt has found, for the next. */
+static void end_zones(fray_world *w) {
+  impact_zone_steps_ahead(w);
+  if (world_has_triangle_collision(w))
+    triangle_collision_solve(w);
+  else
+    impact_zones_keep_pinned(w);
+  impact_zone_steps_back(w);
+}
 
 static void run_substeps(fray_world *w) {
   const uint32_t substeps = (uint32_t)w->params->substeps;
@@ -28,12 +39,8 @@ static void run_substeps(fray_world *w) {
     if (substep + 1u == substeps) {
       particles_hold(w);
       energy_stage(w, FRAY_ENERGY_LIMITS);
-      if (world_has_triangle_collision(w)) {
-        impact_zone_steps_ahead(w);
-        triangle_collision_solve(w);
-        impact_zone_steps_back(w);
-      }
-      energy_stage(w, FRAY_ENERGY_SELF_COLLISION);
+      if (world_repeats_ticks(w)) end_zones(w);
+      energy_stage(w, world_zone_stage(w));
     }
     particles_update_velocity(w);
     energy_velocities(w);
@@ -45,18 +52,19 @@ static void run_substeps(fray_world *w) {
 /* What self-collision had to put together, or a body to stop, moves as one from the beginning in the next
  * attempt. */
 static void run_attempts(fray_world *w) {
-  triangle_collision_begin(w);
+  const int collides = world_has_triangle_collision(w);
+  if (collides) triangle_collision_begin(w);
+  impact_zones_forget(w);
   rollback_save(w);
-  self_constraints_find(w);
-  impact_zone_steps_begin(w);
-  self_constraints_begin(w);
-  run_substeps(w);
-  for (uint32_t attempt = 1; attempt < TICK_ATTEMPTS && w->attempt.begin->joined_new != 0; ++attempt) {
-    triangle_collision_widen(w, TICK_ATTEMPTS - attempt);
-    rollback_restore(w);
+  if (collides) self_constraints_find(w);
+  for (uint32_t left = TICK_ATTEMPTS; left != 0; --left) {
+    w->attempt.begin->joined_new = 0;
     impact_zone_steps_begin(w);
-    self_constraints_begin(w);
+    if (collides) self_constraints_begin(w);
     run_substeps(w);
+    if (left == 1 || w->attempt.begin->joined_new == 0) return;
+    if (collides) triangle_collision_widen(w, left - 1u);
+    rollback_restore(w);
   }
 }
 
@@ -73,7 +81,7 @@ void tick_membrane(fray_world *w) {
   wind_apply(w);
   energy_wind(w);
   contact_gather(w);
-  if (world_has_triangle_collision(w))
+  if (world_repeats_ticks(w))
     run_attempts(w);
   else
     run_substeps(w);

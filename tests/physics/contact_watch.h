@@ -38,6 +38,8 @@ static void watch_end(const fray_world *w) {
   for (uint32_t p = 0; p < w->p.count; ++p) ended[p] = world_position(w, p);
 }
 
+static void watch_again(void) { ended_count = 0; }
+
 static inline void watch_reset(void) {
   passed = broken = paths = near_paths = ended_count = jams = 0;
   memset(&watched_work, 0, sizeof watched_work);

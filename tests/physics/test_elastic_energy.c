@@ -169,6 +169,22 @@ static const char at_a_fine_ball[] =
     " move path { 0 s -0.6044 -2.4993 0.8172 cm  0.148 s -1.0698 -0.1303 -0.8686 cm  0.25 s 1.7216 1.0202 0.4851 cm\n"
     "  0.633 s 3.1892 2.3205 -1.9526 cm }\n}\n";
 
+/* Without self-collision: a sword goes into fine cloth, a plate falls on a sheet, a ball draws a coarse one. */
+static const char at_a_sword[] =
+    "scene sword\nrate 240 Hz\nmembrane {\n columns 11\n rows 10\n cell 1.284 cm\n material swimsuit\n}\nload left 5.5 5.9 -5.9 N/m\n"
+    "mesh b {\n obj \"tests/scenes/meshes/sword.obj\"\n unit 2.514 cm\n move path { 0 s 4.5202 11.642 -0.7748 cm\n"
+    "  0.599 s 11.1418 17.1264 3.3635 cm  0.875 s 9.2241 17.0258 -2.41 cm  1.027 s 4.6808 12.1346 -4.0393 cm\n"
+    "  1.272 s -1.0232 13.8884 -6.1346 cm }\n}\n";
+static const char under_a_plate[] =
+    "scene plate\nrate 240 Hz\nmembrane {\n columns 12\n rows 8\n cell 0.6227 cm\n material rag\n orientation horizontal\n}\n"
+    "material rag {\n density 51.2 g/m2\n young 857697 Pa\n}\nmesh b {\n obj \"tests/scenes/meshes/plate.obj\"\n"
+    " at -1.2155 4.7512 0.9806 cm\n move free\n mass 0.4128 g\n}\n";
+static const char drawn_by_ball[] =
+    "scene ball\nmembrane {\n columns 2\n rows 4\n cell 1.43 cm\n material rag\n weft 17.4 deg\n orientation horizontal\n"
+    " at 0.233 0 -0.11 cm\n drag 0 /s\n}\nmaterial rag {\n base swimsuit\n stretch all 1733.3 364.1 1337.4 824.5 N/m\n}\n"
+    "pin row bottom\nmesh b {\n obj \"tests/scenes/meshes/ball.obj\"\n unit 0.3551 cm\n move path { 0 s -0.6044 -2.4993 0.8172 cm\n"
+    "  0.148 s -1.0698 -0.1303 -0.8686 cm  0.25 s 1.7216 1.0202 0.4851 cm  0.633 s 3.1892 2.3205 -1.9526 cm }\n}\n";
+
 /* Sheets whose stiffness follows their strain, as a load and a body draw them, and as they swing. */
 static const char drawn_by_load[] =
     "scene drawn\nrate 500 Hz\nsubsteps 4\ngravity 838 664 379 cm/s2\nmembrane {\n columns 11\n rows 9\n cell 1.0939 cm\n"
@@ -286,7 +302,10 @@ static void contact_makes_none(void) {
                {"hammered", hammered, FRAY_ENERGY_CONTACT, 0},
                {"apart", torn_apart, FRAY_ENERGY_SELF_COLLISION, 0},
                {"paper", torn_paper, FRAY_ENERGY_SELF_COLLISION, 0},
-               {"fine", at_a_fine_ball, FRAY_ENERGY_CONTACT, FRAY_FAULT_MESH_QUERY_BUDGET}};
+               {"fine", at_a_fine_ball, FRAY_ENERGY_CONTACT, FRAY_FAULT_MESH_QUERY_BUDGET},
+               {"sword", at_a_sword, FRAY_ENERGY_CONTACT, 0},
+               {"plate", under_a_plate, FRAY_ENERGY_CONTACT, 0},
+               {"ball", drawn_by_ball, FRAY_ENERGY_CONTACT, 0}};
   for (uint32_t n = 0; n < sizeof cases / sizeof cases[0]; ++n) {
     fixture_scoped f = {0};
     double by_contact = 0, by_self = 0, taken = 0;
