@@ -271,12 +271,40 @@ static void restore_momentum(fray_world *w, int32_t *speed, uint32_t k) {
   }
 }
 
+/* Along an axis, of woven cloth. Masses are one or two half crossings. What the mean leaves out is less than
+ * a step of speed for each half, so whole crossings take two of it each, then halves one: nothing is left. */
+static void average_woven(fray_world *w, int32_t *speed) {
+  for (uint32_t p = 0; p < w->p.count; ++p) w->self.zones[p].sum[0] = w->self.zones[p].mass = 0;
+  for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
+    self_zone *z = &w->self.zones[impact_zones_of(w, p)];
+    z->mass += particle_half_masses(w, p);
+    z->sum[0] += (int64_t)speed[p] * particle_half_masses(w, p);
+  }
+  for (uint32_t p = 0; p < w->p.count; ++p) {
+    self_zone *z = &w->self.zones[p];
+    if (z->mass == 0) continue;
+    const int64_t rest = z->sum[0] % z->mass;
+    z->mean[0] = (int32_t)(z->sum[0] / z->mass) - (rest < 0);
+    z->sum[0] = rest < 0 ? rest + z->mass : rest;
+  }
+  for (int32_t mass = 2; mass != 0; --mass)
+    for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
+      self_zone *z = &w->self.zones[impact_zones_of(w, p)];
+      if (particle_half_masses(w, p) != mass) continue;
+      speed[p] = z->mean[0] + (z->sum[0] >= mass);
+      if (z->sum[0] >= mass) z->sum[0] -= mass;
+    }
+}
+
 void impact_zones_average(fray_world *w) {
   int32_t *const speeds[3] = {w->p.vx, w->p.vy, w->p.vz};
-  FRAY_ASSERT(world_has_membrane(w));
   if (!w->self.merged) return;
-  sum_velocities(w);
+  if (world_has_membrane(w)) sum_velocities(w);
   for (uint32_t k = 0; k < 3; ++k) {
+    if (!world_has_membrane(w)) {
+      average_woven(w, speeds[k]);
+      continue;
+    }
     set_mean(w, speeds[k], k);
     restore_momentum(w, speeds[k], k);
   }

@@ -34,7 +34,7 @@ void impact_zones_hold(fray_world *w, uint32_t p);
 void impact_zones_shift(fray_world *w, uint32_t p, vec3 by);
 /* 1 iff every particle is within the slack of the end of its path, along each axis. */
 int impact_zones_are_near(const fray_world *w);
-/* Membranes: every vertex of a zone gets the zone's mean velocity; momentum is conserved to the last bit. */
+/* Every particle of a zone gets the zone's mean velocity; momentum is conserved to the last bit. */
 void impact_zones_average(fray_world *w);
 /* One zone of the whole cloth, the last resort; sets FRAY_FAULT_SELF_COLLISION_BUDGET. */
 void impact_zones_join_all(fray_world *w);

@@ -4,8 +4,8 @@
  * links that are not broken; those that share a particle, or a crossing that holds its yarns together, are
  * left to the weave and to yarn slip.
  *
- * Once a tick, after its last substep and after breaks and splits: every particle has moved on a
- * straight path from where the tick began to where it is now. If nothing touches on these paths at any
+ * Once a tick, after its last substep, breaks and splits, and when velocities have followed: every particle
+ * has moved on a straight path from where the tick began to where it is now. If nothing touches on these paths at any
  * time, no yarn has passed another, whatever the substeps did in between. So:
  *
  *   find    segments that may come near each other (yarn_collision_find.c)
@@ -19,9 +19,10 @@
  * pass is repeated. If the passes do not settle it, the whole cloth moves as one zone in this tick, and
  * FRAY_FAULT_SELF_COLLISION_BUDGET is set. That bit also says that the search met a bound: what it found
  * is pushed and merged as ever, what it left out may pass. A cloth that moved as one for that would be as
- * dense in the next tick, and never move again. Zones do not change velocities, so momentum is conserved to
- * the last bit in each case. Attached particles follow their bodies: bodies that carry yarns through
- * each other are reported, not stopped. */
+ * dense in the next tick, and never move again. A zone has one velocity, so that links which pull at it do
+ * not give it more in each tick; momentum is conserved to the last bit. All this comes behind what changes
+ * velocities in a tick: an approach that something else has stopped is none. Attached particles follow
+ * their bodies: bodies that carry yarns through each other are reported, not stopped. */
 #include "rt/self_collision/yarn_collision.h"
 
 #include "rt/self_collision/self_collision.h"
@@ -66,7 +67,10 @@ void yarn_collision_solve(fray_world *w) {
     yarn_collision_find(w);
     if (w->yarn.pass == 0) (void)push_pairs(w);
     merge_pairs(w);
+    impact_zones_average(w);
     if (impact_zones_are_near(w) && w->yarn.moved_without_room == 0) return;
   }
-  if (!w->yarn.bound_met) impact_zones_join_all(w);
+  if (w->yarn.bound_met) return;
+  impact_zones_join_all(w);
+  impact_zones_average(w);
 }

@@ -9,7 +9,7 @@
 #include "rt/tick/tick.h"
 #include "rt/woven/woven.h"
 
-/* Yarns split, springs tear; then yarns are kept from passing through each other. */
+/* Yarns split, springs tear. */
 static void tear(fray_world *w) {
   if (world_has_yarns(w)) {
     crossing_transition_find(w); /* 7 */
@@ -20,9 +20,6 @@ static void tear(fray_world *w) {
   spring_break_apply(w);         /* 7 */
   if (world_has_yarns(w)) yarn_slip_after_breaks(w);
   energy_stage(w, FRAY_ENERGY_TEARS);
-  if (!world_has_yarn_collision(w)) return;
-  yarn_collision_solve(w); /* 6 */
-  energy_stage(w, FRAY_ENERGY_SELF_COLLISION);
 }
 
 void tick_woven(fray_world *w) {
@@ -66,6 +63,11 @@ void tick_woven(fray_world *w) {
     particles_update_velocity(w); /* 8 */
     energy_velocities(w);
     contact_update_velocity(w);   /* 8 */
+    energy_stage(w, FRAY_ENERGY_CONTACT);
+    if (substep + 1u == substeps && world_has_yarn_collision(w)) {
+      yarn_collision_solve(w); /* 6 */
+      energy_stage(w, FRAY_ENERGY_SELF_COLLISION);
+    }
     bodies_update_velocity(w);
     energy_stage(w, FRAY_ENERGY_CONTACT);
   }
