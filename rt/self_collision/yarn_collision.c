@@ -5,8 +5,8 @@
  * left to the weave and to yarn slip.
  *
  * Once a tick, after its last substep, breaks and splits, and when velocities have followed: every particle
- * has moved on a straight path from where the tick began to where it is now. If nothing touches on these paths at any
- * time, no yarn has passed another, whatever the substeps did in between. So:
+ * has moved on a straight path from where the tick began to where it is now. If nothing touches on these
+ * paths at any time, no yarn has passed another, whatever the substeps did in between. So:
  *
  *   find    segments that may come near each other (yarn_collision_find.c)
  *   push    those that come nearer than the thickness, a few rounds; the speed at which they approach is
