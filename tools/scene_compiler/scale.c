@@ -263,6 +263,19 @@ int draft_yarn_collision(const draft *d, self_params *k) {
   return 1;
 }
 
+/* A chain of springs k between masses m vibrates at up to 2 root(k / m), and explicit pulls with a time T between
+ * them bear 2 / T. A yarn of a split crossing has half of its mass. */
+static int bear_spring(const draft *d, const char *key, exact k) {
+  const int is_split = d->scene->woven.yarns != 0;
+  const int64_t rate = (int64_t)d->scene->rate_hz * (scene_has_stretch(d->scene) ? d->substeps : 1);
+  const exact most = exact_mul(exact_mul(d->particle_mass, exact_make(1, is_split ? 2 : 1)), exact_make(rate * rate, 1));
+  char most_text[SOURCE_VALUE];
+  if (exact_compare(k, most) <= 0) return 1;
+  return draft_expected(d, BLOCK_CLOTH, key, "at most %s: what acts %lld times a second on %s of a crossing would make energy",
+                        draft_value(d, BLOCK_CLOTH, key, UNIT_STIFFNESS, most, -1, most_text), (long long)rate,
+                        is_split ? "half the mass" : "the mass");
+}
+
 /* dv = k/m T h per length, with 16 bits; T is the time between two pulls, h a substep. */
 static int make_spring(const draft *d, const char *key, exact k, int32_t rest,
                        int32_t compression_only, bend_shear_class *c) {
@@ -314,7 +327,9 @@ static int shear_lock(const draft *d, link_class *locks) {
 
 int draft_classes(const draft *d, link_class *links, bend_shear_class *springs) {
   int32_t push = 0;
-  if (!push_share(d, &push)) return 0;
+  if (!push_share(d, &push) || !bear_spring(d, "bend", d->scene->woven.bend) ||
+      !bear_spring(d, "shear", d->scene->woven.shear))
+    return 0;
   for (uint32_t axis = 0; axis < 2; ++axis) {
     links[CLASS_WEFT + axis] = link_class_make(d->spacing[axis], push);
     if (!make_spring(d, "bend", d->scene->woven.bend, 2 * d->spacing[axis], 0, &springs[1 + axis]))
