@@ -268,10 +268,12 @@ int draft_yarn_collision(const draft *d, self_params *k) {
 static int bear_spring(const draft *d, const char *key, exact k) {
   const int is_split = d->scene->woven.yarns != 0;
   const int64_t rate = (int64_t)d->scene->rate_hz * (scene_has_stretch(d->scene) ? d->substeps : 1);
-  const exact most = exact_mul(exact_mul(d->particle_mass, exact_make(1, is_split ? 2 : 1)), exact_make(rate * rate, 1));
+  const exact lightest = exact_mul(d->particle_mass, exact_make(1, is_split ? 2 : 1));
+  const exact most = exact_mul(lightest, exact_make(rate * rate, 1));
   char most_text[SOURCE_VALUE];
   if (exact_compare(k, most) <= 0) return 1;
-  return draft_expected(d, BLOCK_CLOTH, key, "at most %s: what acts %lld times a second on %s of a crossing would make energy",
+  return draft_expected(d, BLOCK_CLOTH, key,
+                        "at most %s: what acts %lld times a second on %s of a crossing would make energy",
                         draft_value(d, BLOCK_CLOTH, key, UNIT_STIFFNESS, most, -1, most_text), (long long)rate,
                         is_split ? "half the mass" : "the mass");
 }
