@@ -42,7 +42,7 @@ WIDE_16 := $(ID16)/tests/unit/test_simd
 ASSERTED := $(if $(EXTRA),,$(BUILD)/asserted/tests/unit/test_assertions)
 FX_NARROW := $(addprefix $(NARROW)/tests/unit/,test_fx test_ccd)
 
-.PHONY: all help run test clean san san-gcc san-clang san-integer san-thread checked golden golden-update wide fuzz tidy lines size stack work budget-update \
+.PHONY: all help run test clean san san-gcc san-clang san-integer san-wide san-thread checked analysis golden golden-update wide fuzz tidy lines size stack work budget-update \
         proof install bench compare options docs figures force targets target-test can-test bus-test bus-test-qemu bus-soak
 all: command ## build the `fray` command
 
@@ -63,10 +63,11 @@ helpers: command
 programs: helpers
 	$(SUBMAKE) $(TESTS) $(IMAGE_16) $(WIDE_16) $(FX_NARROW) $(ASSERTED)
 
-# What is wide runs in parts: PART=2/4 is every fourth word of a list from the second on.
+# What is wide runs in parts: PART=2/8 is every eighth word of a list from the second on.
 PART ?= 1/1
-PARTS_san := san-gcc san-clang san-integer checked
 PARTS_proof := misra eva analyzer warnings
+PARTS_san := san-gcc san-clang san-integer checked san-wide
+PARTS_analysis := analyzer $(filter-out analyzer,$(PARTS_proof)) $(PARTS_san)
 PARTS_guests := bed sessions keys qemu
 PARTS_target-test := m0 m3 m4f m7f m33 m55 r5f rv32 microbit
 share = $(or $(shell sh tests/part.sh share $(PART) $(PARTS_$(1))),$(error make $(1): no part $(PART)))
@@ -155,7 +156,7 @@ run: command ## tear a sheet with two hands from a log of the bus; results in ou
 	$(FRAY) run out/two_hands.img --log tests/scenes/two_hands_yarns.log --record out/two_hands.log --report out
 	$(FRAY) verify out/two_hands.log --scene out/two_hands.img
 
-test: programs ## run every test; SUITES="cli tidy" picks shell suites; PART=2/4 of its wide tables
+test: programs ## run every test; SUITES="cli tidy" picks shell suites; PART=2/8 of its wide tables
 	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) SUITES="$(SUITES)" \
 	  sh tests/run_all.sh $(TESTS) $(IMAGE_16) $(WIDE_16) $(FX_NARROW) $(ASSERTED)
 
@@ -165,16 +166,18 @@ wide: $(WIDE_TESTS) ## wide kernels against the scalar code, ROWS (10^8) random 
 	@for program in $(WIDE_TESTS); do echo "$$program $(ROWS)"; ./$$program $(ROWS) || exit 1; done
 
 SANITIZE := -DFRAY_ASSERTIONS -fno-sanitize-recover=all -fno-omit-frame-pointer -DTEST_FEWER=10 -DWORKERS_STACK=4194304
-san: ## every test program and the command, under sanitizers of gcc and clang, and where sums trap; PART=2/4
+san: ## every test program and the command, under sanitizers of gcc and clang, and where sums trap; PART=2/5
 	@for goal in $(call share,san); do $(MAKE) --no-print-directory PART=1/1 $$goal || exit 1; done
 
 # wide kernels under a sanitizer are slow, or compile for minutes: there they take random rows, and in the programs run bare
-san-gcc:
+san-wide:
 	$(MAKE) wide ROWS=200000 BUILD=build-san-gcc/wide CC=gcc OPT=-O2 EXTRA="-fsanitize=address,undefined $(SANITIZE)" WIDE=-O0
+	$(MAKE) wide ROWS=200000 BUILD=build-san-clang/wide CC=clang OPT=-O2 EXTRA="-fsanitize=address,undefined $(SANITIZE)" WIDE=-O0
+
+san-gcc:
 	$(MAKE) test SUITES=cli BUILD=build-san-gcc CC=gcc OPT=-O2 EXTRA="-fsanitize=address,undefined $(SANITIZE)" WIDE=-fno-sanitize=all
 
 san-clang:
-	$(MAKE) wide ROWS=200000 BUILD=build-san-clang/wide CC=clang OPT=-O2 EXTRA="-fsanitize=address,undefined $(SANITIZE)" WIDE=-O0
 	$(MAKE) test SUITES=cli BUILD=build-san-clang CC=clang OPT=-O2 EXTRA="-fsanitize=address,undefined $(SANITIZE)" WIDE=-fno-sanitize=all
 
 san-integer: ## rt and the scene compiler under clang's integer sanitizer: a wrap is meant or a bug
@@ -186,7 +189,7 @@ san-thread: command ## the threads that share a tick, under clang's thread sanit
 checked: ## every test program and the command, where a sum out of its range traps
 	$(MAKE) test SUITES=cli BUILD=build-checked EXTRA=-DFRAY_CHECKED
 
-golden: helpers ## hashes of every tick and images: every machine, compiler and option; PART=2/4
+golden: helpers ## hashes of every tick and images: every machine, compiler and option; PART=2/8
 	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) PART=$(PART) sh tests/determinism/hashes.sh full
 
 golden-update: helpers ## write tests/golden anew; commit it alone and say why
@@ -207,7 +210,7 @@ bus-test-qemu: helpers ## the same bus on two emulated controllers, and on vcan 
 targets: helpers ## firmwares of every bare-metal machine, and what they take of its memory
 	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) sh tests/target/targets.sh build
 
-target-test: helpers ## run them in QEMU at stated rates, and try their guards; PART=2/4
+target-test: helpers ## run them in QEMU at stated rates, and try their guards; PART=2/8
 	@MAKE_COMMAND="$(MAKE)" FRAY=$(FRAY) BUILD=$(BUILD) MACHINES="$(call share,target-test)" sh tests/target/targets.sh test
 
 guests: helpers ## the bus in its guests: the bed, sessions, sessions under a key, emulated controllers; PART=2/4
@@ -225,8 +228,8 @@ busy: ## GOALS beside 20 processes that never rest, TIMES in a row: nothing may 
 	@MAKEFLAGS= MAKE_COMMAND="$(MAKE)" BUILD=$(BUILD) TIMES=$(or $(TIMES),1) sh tests/busy.sh BUILD=$(BUILD) $(GOALS)
 
 .PHONY: wild
-wild: $(BUILD)/tests/wild/wild ## COUNT (100) random scenes of SEED (1), judged by ledger, depth, speed and hashes; SECONDS=2
-	@$< $(or $(SEED),1) $(or $(COUNT),100) $(or $(SECONDS),2)
+wild: $(BUILD)/tests/wild/wild ## COUNT (100) random scenes of SEED (1) from FIRST (0) on, judged by ledger, depth, speed and hashes; SECONDS=2
+	@$< $(or $(SEED),1) $(or $(COUNT),100) $(or $(SECONDS),2) $(or $(FIRST),0)
 
 .PHONY: weaves pools patches thesis
 THESIS := $(addprefix $(BUILD)/tests/physics/,test_ceiling test_garments test_contact_triangles test_triangle_collision)
@@ -249,6 +252,13 @@ weaves: command ## how plain weave, twill and satin fray, 20 seeds each (minutes
 
 proof: library ## MISRA, Frama-C Eva, gcc's analyzer, warnings of every compiler (minutes); PART=2/4
 	@BUILD=$(BUILD) PROOFS="$(call share,proof)" sh tests/proof/proof.sh
+
+.PHONY: misra eva analyzer warnings
+misra eva analyzer warnings: library
+	@BUILD=$(BUILD) PROOFS=$@ sh tests/proof/proof.sh
+
+analysis: ## proofs and sanitizers, one after the other; PART=2/8
+	@for goal in $(call share,analysis); do $(MAKE) --no-print-directory PART=1/1 $$goal || exit 1; done
 
 # The shared library: objects of its own, since those of the archive are not for any address; of its names only those
 # that public headers declare. Its file's name has the version when it is installed.
@@ -275,7 +285,7 @@ tidy: ## arrows between rooms, names, words, sizes, contracts, licences; RULES="
 	@BUILD=$(BUILD) RULES="$(RULES)" sh tests/tidy/tidy.sh
 
 .PHONY: cppcheck
-cppcheck: ## cppcheck finds nothing in rt (a minute or two; seconds where little has changed); PART=2/4
+cppcheck: ## cppcheck finds nothing in rt (a minute or two; seconds where little has changed); PART=2/8
 	@BUILD=$(BUILD) PART=$(PART) sh tests/proof/cppcheck.sh
 
 lines: ## lines of code, assertions and comments of rt, platform, tools, tests, functions that assert; ROOT=DIR of another tree

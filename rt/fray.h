@@ -126,8 +126,7 @@ typedef enum { FRAY_READY = 1, FRAY_OPERATIONAL = 2, FRAY_SAFE = 3 } fray_state;
     "No spare particle is left: a crossing stays whole, or a membrane does not tear there.", \
     "Raise `spare_particles` in the limits of the scene.") \
   X(FRAY_FAULT_SPLIT_BUDGET, 7, "SplitBudget", \
-    "More crossings were due to split or disconnect than one tick may change; the rest follows in later " \
-    "ticks.", \
+    "More crossings were due to split or disconnect than one tick may change; the rest follows later.", \
     "Raise `splits_per_tick` in the limits of the scene, or accept the delay.") \
   X(FRAY_FAULT_SELF_COLLISION_BUDGET, 8, "SelfCollisionBudget", \
     "Self-collision ran out of pairs, visits or rounds: what it found was pushed apart; yarns that it left " \
@@ -143,8 +142,9 @@ typedef enum { FRAY_READY = 1, FRAY_OPERATIONAL = 2, FRAY_SAFE = 3 } fray_state;
   X(FRAY_FAULT_TRIANGLES_FULL, 11, "TrianglesFull", \
     "No spare triangle is left: a membrane does not tear or is not cut there.", \
     "Raise `spare_triangles` in the limits of the scene.") \
-  X(FRAY_FAULT_OVERSTRETCHED, 12, "Overstretched", "A membrane was drawn to three times its length.", \
-    "Give the cloth a strain limit or a strength, or draw it less far.") \
+  X(FRAY_FAULT_OVERSTRETCHED, 12, "Overstretched", \
+    "A membrane was drawn to three times its length, or a yarn to the largest force of a step.", \
+    "Give the cloth a strain limit or a strength, draw it less far, or take more substeps.") \
   X(FRAY_FAULT_SPEED_LIMIT, 13, "SpeedLimit", "A vertex came to the limit of speed, 4 lu a substep.", \
     "Take lighter loads or heavier cloth, a higher rate or more substeps.")
 
@@ -165,7 +165,7 @@ typedef struct {
   uint32_t contacts;          /* candidate contacts x substeps */
   uint32_t tear_tests;        /* structural springs, or triangles */
   uint32_t tears;             /* springs broken, or vertices and edges torn and cut */
-  uint32_t broad_phase_tests; /* free particles x bodies with a surface */
+  uint32_t broad_phase_tests; /* free particles x bodies with a surface, x substeps of elastic yarns */
   uint32_t over_threshold;    /* structural springs found over their tear strain */
   uint32_t transitions;       /* structural springs tested for splitting, crossings for disconnecting */
   uint32_t splits;            /* crossings split, loosened or disconnected */
@@ -360,7 +360,6 @@ typedef struct {
   int32_t disconnect_distance;      /* Q24 lu: yarns drawn farther apart are disconnected */
   uint32_t yarn_stiffness_un;       /* force of an elastic yarn at a strain of 1, uN; 0: projection */
   uint32_t yarn_steps, yarn_damping_ns; /* elastic steps of a substep; 0: no damping */
-  int32_t yarn_max_strain_q16;      /* strain from which projection holds it */
   int32_t gravity[3];               /* Q28 lu per substep, each substep: floor */
   uint32_t gravity_rest[3];         /* and 2^-32 of that unit */
   uint32_t triangles, triangles_max; /* of a membrane, in use and at most; 0: woven */

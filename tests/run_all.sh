@@ -9,7 +9,7 @@ FRAY_BUILD=${BUILD:-build}
 FRAY=${FRAY:-$FRAY_BUILD/fray}
 RESULTS=$FRAY_BUILD/tests/results
 export FRAY FRAY_BUILD RESULTS
-PART=${PART:-$(sh tests/part.sh choose - "$(git rev-parse HEAD 2>/dev/null || echo 0)")/4}
+PART=${PART:-$(sh tests/part.sh choose - "$(git rev-parse HEAD 2>/dev/null || echo 0)")/8}
 export PART
 rm -rf "$RESULTS"
 mkdir -p "$RESULTS"

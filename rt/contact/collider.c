@@ -150,12 +150,12 @@ void collider_place(fray_world *w, const collider *t, uint32_t p, vec3 relative)
   w->p.x[p] = at.x;
   w->p.y[p] = at.y;
   w->p.z[p] = at.z;
-  if (world_has_membrane(w)) return;
+  if (!world_is_projected(w)) return;
   body_add_impulse(&w->rigid.motion[t->body],
                    vertex_mass_impulse(mass_q16(w, p), vec_sub(at, was), FX_SUB_BITS));
 }
 
-/* A vertex of a membrane goes on as the body does: its velocity is not that of its path. */
+/* What moves in elastic steps goes on as the body does: its velocity is not that of its path. */
 static void stop_vertex(fray_world *w, const collider *t, uint32_t p, vec3 was) {
   const vec3 goes = world_body_velocity(w, t->body);
   const vec3 change = vec_sub_saturated(goes, world_velocity(w, p));
@@ -172,7 +172,7 @@ void collider_pin(fray_world *w, const collider *t, uint32_t p, const ccd_path *
     w->attempt.vertices[p].pinned_to = (uint8_t)t->body;
   }
   collider_place(w, t, p, path->begin);
-  if (world_has_membrane(w)) stop_vertex(w, t, p, was);
+  if (!world_is_projected(w)) stop_vertex(w, t, p, was);
 }
 
 /* 0 where the path is too long for its arithmetic. */

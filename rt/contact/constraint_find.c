@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Which contact constraints a membrane has in a substep: points of it that may meet a body, by the
- * velocities with which it begins.
+ * velocities with which it begins; and which particles of elastic yarns may meet a mesh.
  *
  *   primitives        the vertices that contact_gather() listed
  *   meshes            vertices, as contact_vertices.c would push them, and triangles
@@ -9,6 +9,7 @@
  * Nothing here is state. What is missed, because it is fast only later, is for
  * contact_guard_apply() and the tests of paths behind the elastic steps. */
 #include "rt/contact/constraints.h"
+#include "rt/contact/contact.h"
 #include "rt/contact/contact_triangles.h"
 #include "rt/contact/mesh_push.h"
 #include "rt/contact/shape.h"
@@ -21,7 +22,7 @@ int32_t contact_effective_mass(const fray_world *w, uint32_t body, const uint32_
 }
 
 void contact_constraint_miss(fray_world *w) {
-  FRAY_ASSERT(world_has_membrane(w));
+  FRAY_ASSERT(!world_is_projected(w));
   w->membrane.constraints_missed = 1;
   world_fault(w, FRAY_FAULT_CONTACTS_FULL);
 }
@@ -86,6 +87,14 @@ static void find_primitive(fray_world *w, const contact *k) {
 
 /* ---- meshes ---- */
 
+/* Of elastic yarns: one for each mesh that a particle may meet. */
+static void add_plane(fray_world *w, const collider *t, uint32_t p, vec3 out, int64_t gap) {
+  if (collider_add_contact(w, t, p, out))
+    w->contact.list[w->contact.count - 1u].plane_gap = contact_plane_gap(gap);
+  else
+    contact_constraint_miss(w);
+}
+
 static void find_vertex(fray_world *w, const collider *t, uint32_t p, ccd_path path, int32_t room) {
   const int32_t skin = collider_skin(w) + room;
   const vec3 begin = path.begin;
@@ -97,6 +106,10 @@ static void find_vertex(fray_world *w, const collider *t, uint32_t p, ccd_path p
     if (push.depth == 0) return;
     const int64_t gap =
         (int64_t)vec_dot_unit(vec_sub(begin, path.end), push.out) + room - push.depth;
+    if (!world_has_membrane(w)) {
+      add_plane(w, t, p, push.out, gap);
+      return;
+    }
     contact_constraint_add_vertex(w, t->body, CONSTRAINT_FLAT, p, push.out, gap);
     path.end = collider_pushed(path.end, push.out, push.depth);
   }
@@ -155,6 +168,13 @@ static void find_meshes(fray_world *w) {
     find_collider(w, &t, room_of(w));
   }
   move_back(w);
+}
+
+void contact_yarn_planes_find(fray_world *w) {
+  FRAY_ASSERT(world_has_elastic_yarns(w) && world_has_rigid_meshes(w));
+  w->contact.count = w->contact.gathered;
+  w->membrane.constraints_missed = 0;
+  find_meshes(w);
 }
 
 void contact_constraints_find(fray_world *w) {

@@ -5,7 +5,7 @@
 
 #include "rt/state/world.h"
 
-/* Once a tick: broad phase against spheres, capsules, boxes and planes. */
+/* Once a tick, in each substep of elastic yarns: broad phase against spheres, capsules, boxes and planes. */
 void contact_gather(fray_world *w);
 
 /* Each substep. */
@@ -14,18 +14,24 @@ void contact_primitives_solve(fray_world *w); /* narrow phase, push-out and fric
 void contact_vertices_solve(fray_world *w);   /* with rigid meshes: CCD; of triangles too in some worlds */
 void contact_update_velocity(fray_world *w);  /* a touching particle keeps no velocity away from the body */
 
-/* Of elastic yarns, in place of contact_primitives_solve(): within an elastic step, behind its forces and
- * before its motion. Cost: linear in the contacts gathered. */
+/* Of elastic yarns, in place of contact_primitives_solve(): planes of meshes that particles may meet, once a
+ * substep behind bodies_advance(); then within an elastic step, behind its forces and before its motion.
+ * Cost: linear in the contacts. */
+void contact_yarn_planes_find(fray_world *w);
 typedef struct {
   int32_t number; /* of 2^bits in a substep */
   unsigned bits;
   int32_t rise; /* step_rise_of() */
   vec3 gravity; /* the step's part, Q28 lu per substep */
 } yarn_step;
+void contact_steps_mark(fray_world *w);   /* before all impulses of the step */
+void contact_steps_pulled(fray_world *w); /* and behind those of yarns */
 void contact_steps_solve(fray_world *w, const yarn_step *step);
 
-/* A free body beside woven cloth is put out of planes, and stops there. */
+/* A free body beside projected yarns is put out of planes, and stops there. */
 void contact_planes_push(fray_world *w, uint32_t b);
+/* How far body b at `at` is above plane g at `plane`, Q24 lu. */
+int64_t contact_height_above(const fray_world *w, uint32_t b, vec3 at, uint32_t g, vec3 plane);
 
 /* Repeats the mesh test after triangle self-collision; returns how many vertices had to be pinned. */
 uint32_t contact_vertices_check(fray_world *w);

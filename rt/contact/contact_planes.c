@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Free bodies on planes. A body beside woven cloth is put out of a plane once a substep, and stops
- * there; one beside a membrane meets a constraint in each elastic step, as cloth does. */
+/* Free bodies on planes. A body beside projected yarns is put out of a plane once a substep, and stops
+ * there; one beside a membrane meets a constraint in each elastic step, as cloth does; for elastic yarns
+ * see contact_steps.c. */
 #include "rt/contact/constraints.h"
 #include "rt/contact/contact.h"
 #include "rt/contact/shape.h"
@@ -13,8 +14,7 @@ static int64_t mesh_extent(const fray_world *w, uint32_t b, vec3 normal) {
   return rigid_mesh_extent(&m, vec_negated(normal));
 }
 
-/* How far body b at `at` is above plane g, Q24 lu. */
-static int64_t height_above(const fray_world *w, uint32_t b, vec3 at, uint32_t g, vec3 plane) {
+int64_t contact_height_above(const fray_world *w, uint32_t b, vec3 at, uint32_t g, vec3 plane) {
   const rigid_body *s = &w->rigid.bodies[b];
   const vec3 normal = shape_plane_normal(&w->rigid.bodies[g]);
   const int64_t extent = body_is_mesh(s) && world_has_rigid_meshes(w) ? mesh_extent(w, b, normal)
@@ -28,7 +28,7 @@ void contact_planes_push(fray_world *w, uint32_t b) {
   for (uint32_t g = 0; g < (uint32_t)w->params->bodies; ++g) {
     if (!shape_is_plane(&w->rigid.bodies[g])) continue;
     const int64_t height =
-        height_above(w, b, vec_of(own->position), g, vec_of(w->rigid.states[g].position));
+        contact_height_above(w, b, vec_of(own->position), g, vec_of(w->rigid.states[g].position));
     if (height >= 0) continue;
     const vec3 out = vec_scale_unit(shape_plane_normal(&w->rigid.bodies[g]),
                                     (int32_t)fx_clamp64(-height, 0, FX_WORLD_MAX));
@@ -41,7 +41,7 @@ static void find_planes(const fray_world *w, uint32_t b, int32_t *gap) {
   for (uint32_t g = 0; g < (uint32_t)w->params->bodies; ++g)
     if (shape_is_plane(&w->rigid.bodies[g]))
       gap[g] = fx_saturate(
-          height_above(w, b, w->membrane.bodies[b].start, g, w->membrane.bodies[g].start) *
+          contact_height_above(w, b, w->membrane.bodies[b].start, g, w->membrane.bodies[g].start) *
           (1 << FX_SUB_BITS));
 }
 

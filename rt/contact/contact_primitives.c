@@ -234,7 +234,8 @@ void contact_primitives_range(fray_world *w, uint32_t first, uint32_t end) {
 }
 
 void contact_primitives_solve(fray_world *w) {
+  if (world_has_elastic_yarns(w)) return; /* contact_steps.c */
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
     if (w->rigid.bodies[b].motion == FRAY_FREE) contact_planes_push(w, b);
-  contact_primitives_range(w, 0, world_has_elastic_yarns(w) ? 0 : w->contact.count);
+  contact_primitives_range(w, 0, w->contact.count);
 }

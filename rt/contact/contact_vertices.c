@@ -158,7 +158,7 @@ static int resolve(fray_world *w, jam *found) {
   FRAY_ASSERT(count <= MAX_BODIES);
   found->colliders = 0;
   found->holder = CONTACT_TRIANGLES_FREE;
-  if (!world_has_membrane(w))
+  if (world_is_projected(w))
     for (uint32_t n = 0; n < count; ++n) push_off_collider(w, n, budget);
   for (uint32_t round = 0; round < collider_checks(w); ++round) {
     pinned = 0;
@@ -171,7 +171,7 @@ static int resolve(fray_world *w, jam *found) {
 }
 
 static int has_missed(const fray_world *w) {
-  return world_has_membrane(w) && w->membrane.constraints_missed != 0;
+  return !world_is_projected(w) && w->membrane.constraints_missed != 0;
 }
 
 uint32_t contact_vertices_check(fray_world *w) {
@@ -245,9 +245,10 @@ __attribute__((noinline)) static int pin_between(fray_world *w, const jam *found
 }
 
 void contact_vertices_solve(fray_world *w) {
-  const uint32_t contacts = w->contact.count;
+  const uint32_t contacts = w->contact.gathered;
   jam found;
   FRAY_ASSERT(world_has_rigid_meshes(w) && contacts <= w->capacity[POOL_CONTACTS]);
+  w->contact.count = contacts;
   if (has_missed(w)) return;
   if (resolve(w, &found)) return;
   if (rigid_mesh_meets_triangles(w) && stop_bodies(w, &found)) {

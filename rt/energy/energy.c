@@ -95,14 +95,50 @@ void energy_close_wind(fray_world *w) {
   if (has_begun(w)) *wind = wide_add(*wind, take_difference(w, 1));
 }
 
-void energy_close_bodies(fray_world *w) {
+static void measure_all(fray_world *w) {
+  energy_measure_woven(w, &w->energy.last);
+  energy_measure_motion(w, &w->energy.last);
+}
+
+/* Springs that have acted hold bodies where these would be by their velocities: what a new velocity of a
+ * driven body changes, with those of the others as they are, is its work. */
+static void book_leads(fray_world *w) {
+  energy_ledger *l = &w->energy;
+  for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b) {
+    int32_t *velocity = w->rigid.states[b].velocity;
+    const vec3 changed = vec_of(velocity);
+    if (!body_is_driven(&w->rigid.bodies[b])) continue;
+    vec_store(velocity, vec_of(l->velocity[b]));
+    vec_store(l->velocity[b], changed);
+  }
+  measure_all(w);
+  for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b) {
+    int32_t *velocity = w->rigid.states[b].velocity;
+    const vec3 changed = vec_of(l->velocity[b]);
+    if (!body_is_driven(&w->rigid.bodies[b]) || vec_is_equal(changed, vec_of(velocity))) continue;
+    const wide_number before = total_of(w, &l->last);
+    vec_store(velocity, changed);
+    measure_all(w);
+    book_body(w, b, wide_sub(total_of(w, &l->last), before));
+  }
+}
+
+/* Yarns and membranes have not pulled yet. */
+static void book_holds(fray_world *w) {
   energy_ledger *l = &w->energy;
   wide_number held[MAX_BODIES];
-  if (!has_begun(w)) return;
   bytes_copy(held, l->last.held, sizeof held);
   energy_measure_motion(w, &l->last);
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
     if (body_is_driven(&w->rigid.bodies[b])) book_body(w, b, wide_sub(l->last.held[b], held[b]));
+}
+
+void energy_close_bodies(fray_world *w) {
+  if (!has_begun(w)) return;
+  if (world_is_projected(w))
+    book_leads(w);
+  else
+    book_holds(w);
   book(w, FRAY_ENERGY_STEPS, 0);
 }
 
@@ -140,6 +176,8 @@ void energy_open_tick(fray_world *w) {
   bytes_zero(l->stage, sizeof l->stage);
   l->passed = world_has_membrane(w) ? 0 : energy_spring_moves(w);
   if (!world_has_membrane(w)) (void)has_begun(w);
+  for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
+    vec_store(l->velocity[b], vec_of(w->rigid.states[b].velocity));
 }
 
 static void find_fastest(fray_world *w) {

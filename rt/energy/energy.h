@@ -20,6 +20,8 @@ void energy_close_velocities(fray_world *w);
 void energy_add_slide(fray_world *w, vec3 by);
 void energy_close_steps_of_slides(fray_world *w);
 void energy_close_slides(fray_world *w);
+void energy_add_step_mark(fray_world *w, uint32_t mark);
+void energy_book_step(fray_world *w, vec3 gravity);
 void energy_open_tick(fray_world *w);
 void energy_close_tick(fray_world *w);
 #define ENERGY_HOOK(call) \
@@ -63,6 +65,16 @@ static inline void energy_elastic_step(fray_world *w) {
   w->energy.pulled = 0;
   w->energy.passed += 1;
 #endif
+}
+/* In an elastic step of yarns. */
+static inline void energy_step_mark(fray_world *w, uint32_t mark) {
+  (void)mark;
+  ENERGY_HOOK(energy_add_step_mark(w, mark));
+}
+/* Behind its contact, with the gravity of the step. */
+static inline void energy_step(fray_world *w, vec3 gravity) {
+  (void)gravity;
+  ENERGY_HOOK(energy_book_step(w, gravity));
 }
 /* Bend and shear springs have acted. */
 static inline void energy_springs(fray_world *w) {

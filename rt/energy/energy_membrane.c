@@ -82,16 +82,9 @@ static void measure_bending(fray_world *w, energy_stored *e) {
   if (every == 0) return;
   membrane_angles_find(w);
   for (uint32_t t = 0; t < triangles; ++t) {
-    static const uint8_t row[3][3] = {{PLATE_H00, PLATE_H01, PLATE_H02},
-                                      {PLATE_H01, PLATE_H11, PLATE_H12},
-                                      {PLATE_H02, PLATE_H12, PLATE_H22}};
     const int32_t *angle = w->membrane.moments[t].side;
-    for (uint32_t k = 0; k < 3; ++k) {
-      const int64_t moment = fx_mul_wide(bend_plate_column(w, row[k][0])[t], angle[0]) +
-                             fx_mul_wide(bend_plate_column(w, row[k][1])[t], angle[1]) +
-                             fx_mul_wide(bend_plate_column(w, row[k][2])[t], angle[2]);
-      sum = wide_add(sum, wide_product(moment, angle[k], bits + 2u * BEND_ANGLE_BITS));
-    }
+    for (uint32_t k = 0; k < 3; ++k)
+      sum = wide_add(sum, wide_product(bend_plate_moment(w, t, k), angle[k], bits + 2u * BEND_ANGLE_BITS));
     sum = wide_sub(sum, wide_of(w->membrane.bend_states[t].owed, bits - 4u)); /* twice: bend_owed.c */
   }
   e->bend = wide_over(wide_times(sum, (int64_t)w->membrane.constants->steps, 1), (uint32_t)every);

@@ -126,7 +126,7 @@ static void add_body(const fray_world *w, uint32_t b, energy_stored *e) {
   }
   e->bodies = wide_add(e->bodies, wide_shift_down(wide_times(squares, mass, 20), 1));
   if (add_handle(w, b, e)) return;
-  add_potential(w, at, speed, world_has_membrane(w) ? elastic_steps(w) : 1u, e);
+  add_potential(w, at, speed, elastic_steps(w), e);
 }
 
 static void measure_held(const fray_world *w, energy_stored *e) {

@@ -59,7 +59,6 @@ const image_array image_arrays[] = {
     YARN(32, ROLE_STATE, KIND_ID, POOL_PARTICLES, 1, woven.crossing_of),
     STRETCH(33, POOL_PARAMS, YARN_ELASTIC_PARAM_WORDS, woven.elastic_params),
     STRETCH(34, POOL_YARN_GAINS, YARN_GAIN_WORDS, woven.yarn_gains),
-    STRETCH(35, POOL_YARN_GAINS, LINK_CLASS_WORDS, woven.max_links),
     MESH(36, ROLE_CONSTANT, KIND_WORD, POOL_PARAMS, TRIMESH_PARAM_WORDS, params),
     MESH(37, ROLE_STATE, KIND_WORD, POOL_STATE, TRIMESH_STATE_WORDS, state),
     MESH(38, ROLE_STATE, KIND_ID, POOL_TRIANGLES, TRIMESH_TRIANGLE_IDS, triangle),
@@ -141,6 +140,10 @@ const image_array image_arrays[] = {
     TICK(POOL_CONTACTS, contact, contact.list),
     TICK(POOL_BREAKS, torn_spring, woven.tear_queue),
     YARN(0, ROLE_TICK, KIND_STRUCT, POOL_YARN_CONTACTS, sizeof(yarn_contact_step), woven.contact_steps),
+#if FRAY_ENERGY
+    {"metered", 0, ROLE_TICK, KIND_STRUCT, POOL_PARTICLES, POOL_YARN_GAINS, sizeof(metered_yarn),
+     AT(woven.metered)},
+#endif
 #if FRAY_MESHES
     WITH_MESHES(POOL_PARTICLES, int32_t, contact.start_x),
     WITH_MESHES(POOL_PARTICLES, int32_t, contact.start_y),

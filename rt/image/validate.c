@@ -21,7 +21,7 @@ enum {
   IN_PARAMS = 1, IN_STATE, IN_LINKS, IN_SPRINGS, IN_BATCHES, IN_CROSSING, IN_HOME, IN_ROW_OF,
   IN_ROW_I, IN_ROW_J, IN_CLASS, IN_X, IN_Y, IN_Z, IN_VX, IN_RX = 18, IN_GRIP_BODY = 21, IN_GRIP_X,
   IN_BODIES = 25, IN_BODY_STATES, IN_KEYS, IN_YARNS, IN_YARN_STATE, IN_COUPLE, IN_WARP_AT, IN_PLACE,
-  IN_STRETCH, IN_PULLS, IN_LIMITS,
+  IN_STRETCH, IN_PULLS,
   IN_SELVES = 49, IN_MESHES = 50, IN_BLADES, IN_LAYERS
 };
 
@@ -140,14 +140,9 @@ static int elastic_yarns_good(const fray_world *w, fray_error *error) {
     return image_bad(error, IN_PULLS, 0, "as many classes as links have");
   for (uint32_t n = 1; n < w->capacity[POOL_YARN_GAINS]; ++n) {
     const yarn_gain *c = &w->woven.yarn_gains[n];
-    const link_class *limit = &w->woven.max_links[n];
     if (!gain_good(c->pull, c->pull_scale) || !gain_good(c->push, c->push_scale) || c->damping < 0 ||
         c->damping > YARN_ELASTIC_DAMPING_MAX)
       return image_bad(error, IN_PULLS, n, "gains of 30 bits and a shift, a damping to 1");
-    if (limit->rest < w->woven.link_classes[n].rest || limit->rest > w->woven.link_classes[n].rest / 4 * 5)
-      return image_bad(error, IN_LIMITS, n, "a length of 1 to 5/4 of the rest length");
-    if (!link_follows(limit) || limit->push != 0)
-      return image_bad(error, IN_LIMITS, n, "constants that follow from the length");
   }
   return 1;
 }

@@ -53,7 +53,6 @@ fray_info fray_get_info(const fray_world *w) {
     f.yarn_stiffness_un = (uint32_t)w->woven.elastic_params->stiffness_un;
     f.yarn_steps = 1u << (uint32_t)w->woven.elastic_params->steps_bits;
     f.yarn_damping_ns = (uint32_t)w->woven.elastic_params->damping_ns;
-    f.yarn_max_strain_q16 = w->woven.elastic_params->max_strain;
   }
   if (world_has_membrane(w)) {
     f.triangles = triangles_in_use(w);

@@ -53,6 +53,11 @@ static void add_yarn_collision(const fray_world *w, fray_work *most) {
   most->self_box_tests = saturated_product(w->capacity[POOL_CROSSINGS], SELF_VISITS * SELF_PASSES);
   most->self_pairs = saturated_product(pairs, 1);
   const uint64_t crossings = w->capacity[POOL_CROSSINGS];
+  const uint32_t substeps = (uint32_t)w->params->substeps;
+  const uint64_t sweeps = (uint64_t)SELF_FOLLOWS * self_follow_sweeps(substeps);
+  const uint64_t followed = sweeps * (most->projections / substeps);
+  if (!world_has_elastic_yarns(w))
+    most->projections = saturated_sum(most->projections, saturated_product(followed, 1));
   most->self_ccd = self_ccd_most(pairs, w->capacity[POOL_YARN_PAIRS], 2u * crossings);
   most->self_merged = saturated_product(w->capacity[POOL_PARTICLES], SELF_PASSES * (SELF_MERGES + 2u) + 1u);
 }
@@ -117,7 +122,8 @@ static void add_woven(const fray_world *w, fray_work *most) {
   const uint32_t locked =
       world_has_shear_lock(w)
           ? active_springs(w, link_batches + (uint32_t)p->bend_batches, w->capacity[POOL_BATCHES]) : 0;
-  most->projections = (links + locked) * (uint32_t)p->iterations * substeps;
+  const uint32_t projected = world_has_elastic_yarns(w) ? locked : links + locked;
+  most->projections = projected * (uint32_t)p->iterations * substeps;
   most->springs = active_springs(w, link_batches, w->capacity[POOL_BATCHES]);
   most->slips = spares * substeps;
   if (world_has_elastic_yarns(w)) {
@@ -166,6 +172,7 @@ fray_work fray_work_bound(const fray_world *w) {
   if (world_has_elastic_yarns(w)) most.contacts <<= (uint32_t)w->woven.elastic_params->steps_bits;
   for (uint32_t b = 0; b < (uint32_t)p->bodies; ++b)
     if (body_is_primitive(&w->rigid.bodies[b])) most.broad_phase_tests += free_particles;
+  if (world_has_elastic_yarns(w)) most.broad_phase_tests *= (uint32_t)p->substeps;
   if (world_has_membrane(w))
     add_membrane(w, &most);
   else

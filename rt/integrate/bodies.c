@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rigid bodies: driven ones follow their way through the tick, free ones fall (explicit Euler). */
+/* Rigid bodies: driven ones follow their way through the tick, free ones fall (explicit Euler): once a
+ * substep beside projected yarns, in each elastic step beside what has them. */
 #include "rt/integrate/integrate.h"
 #include "rt/simd/particle_loops.h"
 
@@ -28,21 +29,24 @@ static void drive_body(fray_world *w, uint32_t b, int32_t done, int32_t all) {
   vec_store(w->rigid.states[b].velocity, vec_clamp64(vec_scale64(m->moved, 1 << FX_SUB_BITS), INT32_MAX));
 }
 
-static void fly_body(fray_world *w, uint32_t b) {
+/* By 1 / 2^more of a substep, with a remainder that has `more` bits below Q28; as loop_advance(). */
+static void move_body(fray_world *w, uint32_t b, vec3 gravity, unsigned more) {
   body_state *s = &w->rigid.states[b];
-  const int32_t gravity[3] = {w->gravity_step.x, w->gravity_step.y, w->gravity_step.z};
+  const int32_t gained[3] = {gravity.x, gravity.y, gravity.z};
   int32_t moved[3];
   for (uint32_t n = 0; n < 3; ++n) {
-    FRAY_ASSERT(s->remainder[n] >= -8 && s->remainder[n] <= 8);
-    int8_t remainder = (int8_t)s->remainder[n];
-    int32_t unused;
-    const int32_t before = s->position[n];
-    if (loop_advance(&s->position[n], &unused, &s->velocity[n], &remainder, 0, 1, gravity[n]) != 0)
-      world_fault(w, FRAY_FAULT_OUT_OF_WORLD);
-    s->remainder[n] = remainder;
-    moved[n] = s->position[n] - before;
+    const int32_t speed = fx_clamp(s->velocity[n], -LOOP_SPEED_MAX, LOOP_SPEED_MAX) + gained[n];
+    const int32_t step = speed + s->remainder[n];
+    const int32_t whole = fx_round(step, FX_SUB_BITS + more);
+    const int32_t wanted = fx_add(s->position[n], whole);
+    const int32_t place = fx_clamp(wanted, -FX_WORLD_MAX, FX_WORLD_MAX);
+    if (place != wanted) world_fault(w, FRAY_FAULT_OUT_OF_WORLD);
+    moved[n] = place - s->position[n];
+    s->velocity[n] = place == wanted ? speed : 0; /* the edge stops it */
+    s->remainder[n] = step - whole * (1 << (FX_SUB_BITS + more));
+    s->position[n] = place;
   }
-  w->rigid.motion[b].moved = vec_of(moved);
+  w->rigid.motion[b].moved = vec_add(w->rigid.motion[b].moved, vec_of(moved));
 }
 
 void bodies_advance(fray_world *w, uint32_t substep) {
@@ -53,13 +57,35 @@ void bodies_advance(fray_world *w, uint32_t substep) {
                              gravity_step(p->gravity_y, p->gravity_rest_y, &s->gravity_phase[1]),
                              gravity_step(p->gravity_z, p->gravity_rest_z, &s->gravity_phase[2]));
   for (uint32_t b = 0; b < (uint32_t)p->bodies; ++b) {
+    w->rigid.motion[b].moved = vec_make(0, 0, 0);
     if (w->rigid.bodies[b].motion != FRAY_FREE)
       drive_body(w, b, (int32_t)substep + 1, p->substeps);
-    else if (world_has_membrane(w))
-      w->rigid.motion[b].moved = vec_make(0, 0, 0);
-    else
-      fly_body(w, b);
+    else if (world_is_projected(w))
+      move_body(w, b, w->gravity_step, 0);
   }
+}
+
+void bodies_steps_begin(fray_world *w, unsigned more) {
+  for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
+    for (uint32_t n = 0; n < 3 && w->rigid.bodies[b].motion == FRAY_FREE; ++n)
+      w->rigid.states[b].remainder[n] *= 1 << more;
+}
+
+void bodies_steps_end(fray_world *w, unsigned more) {
+  if (more == 0) return;
+  for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
+    for (uint32_t n = 0; n < 3 && w->rigid.bodies[b].motion == FRAY_FREE; ++n)
+      w->rigid.states[b].remainder[n] = fx_round(w->rigid.states[b].remainder[n], more);
+}
+
+int bodies_step(fray_world *w, vec3 gravity, unsigned more) {
+  int moved = 0;
+  for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b) {
+    if (w->rigid.bodies[b].motion != FRAY_FREE) continue;
+    move_body(w, b, gravity, more);
+    moved = 1;
+  }
+  return moved;
 }
 
 void body_update_velocity(fray_world *w, uint32_t b) {

@@ -6,10 +6,15 @@
 
 #include "rt/state/world.h"
 
-/* The gravity of this substep; moves driven bodies along their way through the tick, and, beside woven cloth,
- * free ones by their velocity: those beside a membrane move in its elastic steps. substep: 0 to
- * params.substeps - 1, in order. */
+/* The gravity of this substep; moves driven bodies along their way through the tick, and, beside projected
+ * yarns, free ones by their velocity: else they move in elastic steps. substep: 0 to params.substeps - 1, in
+ * order. */
 void bodies_advance(fray_world *w, uint32_t substep);
+/* Free bodies beside elastic yarns, in 2^more elastic steps a substep: they gain the step's part of gravity
+ * and move by their velocity. bodies_step() returns 1 iff there are any. */
+void bodies_steps_begin(fray_world *w, unsigned more);
+int bodies_step(fray_world *w, vec3 gravity, unsigned more);
+void bodies_steps_end(fray_world *w, unsigned more);
 /* Free bodies gain the opposite of what the cloth gained from them in this substep. */
 void bodies_update_velocity(fray_world *w);
 /* The same of one, for what it gained since the last call. */

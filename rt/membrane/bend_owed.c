@@ -7,16 +7,11 @@
 
 /* From the angles of a bending step. */
 static int32_t energy_of(const fray_world *w, uint32_t t) {
-  static const uint8_t row[3][3] = {{PLATE_H00, PLATE_H01, PLATE_H02},
-                                    {PLATE_H01, PLATE_H11, PLATE_H12},
-                                    {PLATE_H02, PLATE_H12, PLATE_H22}};
   const int32_t *angle = w->membrane.moments[t].side;
   int64_t sum = 0;
   for (uint32_t k = 0; k < 3; ++k) {
-    const int64_t moment = fx_mul_wide(bend_plate_column(w, row[k][0])[t], angle[0]) +
-                           fx_mul_wide(bend_plate_column(w, row[k][1])[t], angle[1]) +
-                           fx_mul_wide(bend_plate_column(w, row[k][2])[t], angle[2]);
-    sum += fx_mul_wide(fx_saturate(fx_round64(moment, 30)), angle[k]);
+    const int32_t moment = fx_saturate(fx_round64(bend_plate_moment(w, t, k), 30));
+    sum += fx_mul_wide(moment, angle[k]);
   }
   return fx_max(fx_clamp_wide(fx_asr64(sum, 30), BEND_ENERGY_MAX), 0);
 }

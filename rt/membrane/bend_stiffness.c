@@ -54,17 +54,14 @@ static int32_t product_over(int32_t a, int32_t b, int32_t d) {
 
 /* Takes side b of a triangle out of its H. */
 static void take_out(fray_world *w, uint32_t t, uint32_t b) {
-  static const uint8_t entry[3][3] = {{PLATE_H00, PLATE_H01, PLATE_H02},
-                                      {PLATE_H01, PLATE_H11, PLATE_H12},
-                                      {PLATE_H02, PLATE_H12, PLATE_H22}};
   const uint32_t i = trimesh_next(b);
   const uint32_t j = trimesh_previous(b);
-  int32_t *const ii = &bend_plate_column(w, entry[i][i])[t];
-  int32_t *const jj = &bend_plate_column(w, entry[j][j])[t];
-  int32_t *const ij = &bend_plate_column(w, entry[i][j])[t];
-  int32_t *const bb = &bend_plate_column(w, entry[b][b])[t];
-  int32_t *const ib = &bend_plate_column(w, entry[i][b])[t];
-  int32_t *const jb = &bend_plate_column(w, entry[j][b])[t];
+  int32_t *const ii = &bend_plate_entry(w, i, i)[t];
+  int32_t *const jj = &bend_plate_entry(w, j, j)[t];
+  int32_t *const ij = &bend_plate_entry(w, i, j)[t];
+  int32_t *const bb = &bend_plate_entry(w, b, b)[t];
+  int32_t *const ib = &bend_plate_entry(w, i, b)[t];
+  int32_t *const jb = &bend_plate_entry(w, j, b)[t];
   if (*bb > 0) {
     *ii = fx_max(*ii - product_over(*ib, *ib, *bb), 0);
     *jj = fx_max(*jj - product_over(*jb, *jb, *bb), 0);

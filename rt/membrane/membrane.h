@@ -34,7 +34,10 @@ void bend_repay(fray_world *w, const elastic_step *step);
 
 /* Parts of these. */
 void bend_prepare(fray_world *w);       /* of membrane_gains_update(): constants of bending */
-void membrane_force_add(fray_world *w); /* of an elastic step: impulses of stress */
+/* Of an elastic step: impulses of stress. FORCE_FIRST is the first step of a tick, FORCE_MEASURED leaves out
+ * damping and keeps nothing. */
+typedef enum { FORCE_STEP, FORCE_FIRST, FORCE_MEASURED } force_step_kind;
+void membrane_force_add(fray_world *w, force_step_kind kind);
 /* And of bending: BEND_LAST is the last step of a tick, which the state follows; BEND_MEASURED leaves all
  * state as it is. */
 typedef enum { BEND_STEP, BEND_LAST, BEND_MEASURED } bend_step_kind;

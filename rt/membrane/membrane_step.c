@@ -127,7 +127,7 @@ void membrane_impulses_now(fray_world *w) {
   FRAY_ASSERT(world_has_membrane(w));
   begin_steps(w);
   bytes_zero(w->membrane.impulse, w->p.count * sizeof *w->membrane.impulse);
-  membrane_force_add(w);
+  membrane_force_add(w, FORCE_MEASURED);
   if (w->membrane.constants->bend_every != 0) bend_force_add(w, BEND_MEASURED);
   w->work = work;
   w->state->faults = faults;
@@ -152,7 +152,8 @@ elastic_step membrane_step_force(fray_world *w, step_view *view, uint32_t subste
                       w->membrane.constants->steps - number <= bend_every;
   FRAY_ASSERT(substep < (uint32_t)w->params->substeps && number < w->membrane.constants->steps);
   begin_impulses(w);
-  membrane_force_add(w);
+  membrane_force_add(w, substep == 0 && number == 0 ? FORCE_FIRST : FORCE_STEP);
+  step_meter_damping(w);
   if (bend_every != 0 && number % bend_every == 0)
     bend_force_add(w, is_last ? BEND_LAST : BEND_STEP);
   begin_step(w, view, substep, number);

@@ -55,8 +55,7 @@ static void go_towards(int32_t c[MATERIAL_ENTRIES], const int32_t target[MATERIA
                        int32_t room) {
   const int32_t part =
       rise <= room ? 1 << 30 : (int32_t)fx_divide_wide((uint64_t)(uint32_t)room << 30, (uint32_t)rise);
-  for (uint32_t n = 0; n < MATERIAL_ENTRIES; ++n)
-    c[n] = part == 1 << 30 ? target[n] : c[n] + fx_mul_round(target[n] - c[n], part, 30);
+  for (uint32_t n = 0; n < MATERIAL_ENTRIES; ++n) c[n] += fx_mul_round(target[n] - c[n], part, 30);
 }
 
 static void follow(const fray_world *w, uint32_t t, material_tensor strain) {

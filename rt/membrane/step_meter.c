@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What acted in an elastic step, for the energy ledger. Loads and drag: the work of their impulse times the
- * mean of the velocities before and behind the step. Constraints: what each stage changes of m u^2 / 2
- * (elastic/step_passive.h); in sum that is the same, and stage by stage it does not depend on those behind
- * it. Velocities are found again from what the step left: the drag of a speed is less than one for one, so
- * the speed before it is the fixed point of a few rounds. A kernel's steps are the same. */
+/* What acted in an elastic step, for the energy ledger. Loads, drag and the damping of stress: the work of
+ * their impulse times the mean of the velocities before and behind the step. Constraints: what each stage
+ * changes of m u^2 / 2 (elastic/step_passive.h); in sum that is the same, and stage by stage it does not
+ * depend on those behind it. Velocities are found again from what the step left: the drag of a speed is less
+ * than one for one, so the speed before it is the fixed point of a few rounds. A kernel's steps are the
+ * same. */
 #include "rt/membrane/step_meter.h"
 
 #include "rt/membrane/membrane.h"
@@ -41,7 +42,7 @@ static void add_row(fray_world *w, wide_number *row, wide_number work) {
   w->energy.booked = wide_add(w->energy.booked, work);
 }
 
-static int32_t axis_of(const elastic_impulse *a, uint32_t n) { return n == 0 ? a->x : n == 1 ? a->y : a->z; }
+static int32_t axis_of(vec3 a, uint32_t n) { return n == 0 ? a.x : n == 1 ? a.y : a.z; }
 
 /* The stage behind which a mark is. */
 static fray_energy_stage stage_of(const fray_world *w, uint32_t mark) {
@@ -54,13 +55,13 @@ static fray_energy_stage stage_of(const fray_world *w, uint32_t mark) {
 
 static void meter_stages(fray_world *w, const step_view *k, uint32_t p, uint32_t n, const metered_axis *a) {
   const metered_impulse *m = &w->membrane.metered_impulses[p];
-  const int32_t end = axis_of(&w->membrane.impulse[p], n);
-  const int32_t forced = axis_of(&w->membrane.forced[p], n);
+  const int32_t end = axis_of(elastic_impulse_vec(&w->membrane.impulse[p]), n);
+  const int32_t forced = axis_of(elastic_impulse_vec(&w->membrane.forced[p]), n);
   const int64_t twice_before = /* 2 u, before any impulse */
       2 * (a->behind - change_of(k, p, end)) + k->gravity[n] - change_of(k, p, forced);
   int32_t before = forced;
   for (uint32_t mark = 1; mark <= STEP_MARKS; ++mark) {
-    const int32_t behind = mark < STEP_MARKS ? axis_of(&m->sum[mark - 1u], n) : end;
+    const int32_t behind = mark < STEP_MARKS ? axis_of(m->sum[mark - 1u], n) : end;
     const int64_t part = (int64_t)behind - before;
     if (part != 0)
       add_row(w, &w->energy.stage[stage_of(w, mark)],
@@ -109,7 +110,32 @@ void step_meter_mark_add(fray_world *w, uint32_t mark) {
     meter_body(w, b, mark);
   if (mark == 0 || mark == STEP_MARKS) return; /* those sums are membrane.forced and membrane.impulse */
   for (uint32_t p = 0; p < w->p.count; ++p)
-    w->membrane.metered_impulses[p].sum[mark - 1u] = w->membrane.impulse[p];
+    w->membrane.metered_impulses[p].sum[mark - 1u] =
+        elastic_impulse_vec(&w->membrane.impulse[p]);
+}
+
+/* Impulses of stress with damping, less those without it. */
+void step_meter_damping_add(fray_world *w) {
+  const fray_work work = w->work;
+  for (uint32_t p = 0; p < w->p.count; ++p) {
+    w->membrane.metered_impulses[p].damping = elastic_impulse_vec(&w->membrane.impulse[p]);
+    w->membrane.impulse[p] = w->membrane.external_impulse[p];
+  }
+  membrane_force_add(w, FORCE_MEASURED);
+  for (uint32_t p = 0; p < w->p.count; ++p) {
+    elastic_impulse *sum = &w->membrane.impulse[p];
+    vec3 *damping = &w->membrane.metered_impulses[p].damping;
+    const vec3 less = vec_sub(*damping, elastic_impulse_vec(sum));
+    elastic_impulse_add(sum, less);
+    *damping = less;
+  }
+  w->work = work;
+}
+
+static void meter_damping(fray_world *w, uint32_t p, uint32_t n, int64_t twice_mean) {
+  const int32_t damping = axis_of(w->membrane.metered_impulses[p].damping, n);
+  if (damping != 0)
+    add_row(w, &w->energy.stage[FRAY_ENERGY_DAMPING], times_half(damping, twice_mean, ELASTIC_IMPULSE_BITS));
 }
 
 static void meter_vertex(fray_world *w, const step_view *k, uint32_t p) {
@@ -123,6 +149,7 @@ static void meter_vertex(fray_world *w, const step_view *k, uint32_t p) {
   for (uint32_t n = 0; n < 3; ++n) {
     const metered_axis a = meter_axis(k, p, n, impulse[n]);
     meter_stages(w, k, p, n, &a);
+    meter_damping(w, p, n, a.twice_mean);
     if (k->drag != 0)
       add_row(w, &w->energy.stage[FRAY_ENERGY_DRAG],
               times_half(-mass * a.taken, a.twice_mean, FX_VELOCITY_BITS + MASS_BITS));
@@ -132,16 +159,19 @@ static void meter_vertex(fray_world *w, const step_view *k, uint32_t p) {
   }
 }
 
-/* The load on a vertex that a body holds works on the body, which takes it from the cloth's books.
- */
+/* What loads and damps a vertex that a body holds works on the body, which takes it from the cloth's
+ * books. */
 static void meter_attached(fray_world *w, uint32_t p) {
   const elastic_impulse *load = &w->membrane.external_impulse[p];
   const int32_t external[3] = {load->x, load->y, load->z};
-  const int32_t *v = w->rigid.states[w->p.attach_body[p]].velocity;
-  for (uint32_t n = 0; n < 3; ++n)
+  const uint32_t b = w->p.attach_body[p];
+  const int32_t *v = w->rigid.states[b].velocity;
+  for (uint32_t n = 0; n < 3; ++n) {
+    meter_damping(w, p, n, (int64_t)w->membrane.bodies[b].before[n] + v[n]);
     if (external[n] != 0)
       add_row(w, &w->energy.supplied[FRAY_SUPPLIED_LOADS],
               wide_of(fx_mul_wide(external[n], v[n]), ELASTIC_IMPULSE_BITS + FX_VELOCITY_BITS));
+  }
 }
 
 void step_meter_add(fray_world *w, const step_view *view) {

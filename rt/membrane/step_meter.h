@@ -7,9 +7,19 @@
 #include "rt/state/world.h"
 
 #if FRAY_ENERGY
+void step_meter_damping_add(fray_world *w);
 void step_meter_mark_add(fray_world *w, uint32_t mark);
 void step_meter_add(fray_world *w, const step_view *view);
 #endif
+
+/* Behind the stress of a step, which is found once more without its damping. */
+static inline void step_meter_damping(fray_world *w) {
+#if FRAY_ENERGY
+  if (__builtin_expect(w->energy.watched && w->energy.begun, 0)) step_meter_damping_add(w);
+#else
+  (void)w;
+#endif
+}
 
 /* In a step: behind its forces (0), zones (1), repayment (2), limits of edges (3), contact (4) and
  * self-collision (STEP_MARKS). */

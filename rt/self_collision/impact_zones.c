@@ -271,40 +271,59 @@ static void restore_momentum(fray_world *w, int32_t *speed, uint32_t k) {
   }
 }
 
-/* Along an axis, of woven cloth. Masses are one or two half crossings. What the mean leaves out is less than
- * a step of speed for each half, so whole crossings take two of it each, then halves one: nothing is left. */
-static void average_woven(fray_world *w, int32_t *speed) {
-  for (uint32_t p = 0; p < w->p.count; ++p) w->self.zones[p].sum[0] = w->self.zones[p].mass = 0;
-  for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
-    self_zone *z = &w->self.zones[impact_zones_of(w, p)];
-    z->mass += particle_half_masses(w, p);
-    z->sum[0] += (int64_t)speed[p] * particle_half_masses(w, p);
-  }
+static void sum_half_masses(fray_world *w) {
   for (uint32_t p = 0; p < w->p.count; ++p) {
     self_zone *z = &w->self.zones[p];
-    if (z->mass == 0) continue;
-    const int64_t rest = z->sum[0] % z->mass;
-    z->mean[0] = (int32_t)(z->sum[0] / z->mass) - (rest < 0);
-    z->sum[0] = rest < 0 ? rest + z->mass : rest;
+    z->sum[0] = z->sum[1] = z->sum[2] = z->mass = 0;
   }
-  for (int32_t mass = 2; mass != 0; --mass)
+  for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
+    self_zone *z = &w->self.zones[impact_zones_of(w, p)];
+    const int32_t halves = particle_half_masses(w, p);
+    z->mass += halves;
+    z->sum[0] += (int64_t)w->p.vx[p] * halves;
+    z->sum[1] += (int64_t)w->p.vy[p] * halves;
+    z->sum[2] += (int64_t)w->p.vz[p] * halves;
+  }
+}
+
+/* The mean downwards; `sum` is what it leaves out. */
+static void divide(self_zone *z, uint32_t k) {
+  const int64_t rest = z->sum[k] % z->mass;
+  z->mean[k] = (int32_t)(z->sum[k] / z->mass) - (rest < 0);
+  z->sum[k] = rest < 0 ? rest + z->mass : rest;
+}
+
+static int32_t share(self_zone *z, uint32_t k, int32_t halves) {
+  const int more = z->sum[k] >= halves;
+  if (more) z->sum[k] -= halves;
+  return z->mean[k] + more;
+}
+
+/* What the mean leaves out is less than a step of speed for each half crossing, so whole crossings take two
+ * of it each, then halves one: nothing is left. */
+static void average_woven(fray_world *w) {
+  sum_half_masses(w);
+  for (uint32_t p = 0; p < w->p.count; ++p)
+    for (uint32_t k = 0; k < 3 && w->self.zones[p].mass != 0; ++k) divide(&w->self.zones[p], k);
+  for (int32_t halves = 2; halves != 0; --halves)
     for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
       self_zone *z = &w->self.zones[impact_zones_of(w, p)];
-      if (particle_half_masses(w, p) != mass) continue;
-      speed[p] = z->mean[0] + (z->sum[0] >= mass);
-      if (z->sum[0] >= mass) z->sum[0] -= mass;
+      if (particle_half_masses(w, p) != halves) continue;
+      w->p.vx[p] = share(z, 0, halves);
+      w->p.vy[p] = share(z, 1, halves);
+      w->p.vz[p] = share(z, 2, halves);
     }
 }
 
 void impact_zones_average(fray_world *w) {
   int32_t *const speeds[3] = {w->p.vx, w->p.vy, w->p.vz};
   if (!w->self.merged) return;
-  if (world_has_membrane(w)) sum_velocities(w);
+  if (!world_has_membrane(w)) {
+    average_woven(w);
+    return;
+  }
+  sum_velocities(w);
   for (uint32_t k = 0; k < 3; ++k) {
-    if (!world_has_membrane(w)) {
-      average_woven(w, speeds[k]);
-      continue;
-    }
     set_mean(w, speeds[k], k);
     restore_momentum(w, speeds[k], k);
   }

@@ -20,12 +20,14 @@
  * FRAY_FAULT_SELF_COLLISION_BUDGET is set. That bit also says that the search met a bound: what it found
  * is pushed and merged as ever, what it left out may pass. A cloth that moved as one for that would be as
  * dense in the next tick, and never move again. A zone has one velocity, so that links which pull at it do
- * not give it more in each tick; momentum is conserved to the last bit. All this comes behind what changes
- * velocities in a tick: an approach that something else has stopped is none. Attached particles follow
- * their bodies: bodies that carry yarns through each other are reported, not stopped. */
+ * not give it more in each tick; momentum is conserved to the last bit. Behind the first passes projected
+ * links bring the particles around to where their zones went (follow_zones()). All this comes behind what
+ * changes velocities in a tick: an approach that something else has stopped is none. Attached particles
+ * follow their bodies: bodies that carry yarns through each other are reported, not stopped. */
 #include "rt/self_collision/yarn_collision.h"
 
 #include "rt/self_collision/self_collision.h"
+#include "rt/woven/woven.h"
 
 #define COLLISION_PAIR self_pair
 
@@ -57,6 +59,33 @@ static void begin_new_particles(fray_world *w) {
     w->self.paths[p].begin = w->self.paths[w->woven.crossing_particle[w->woven.crossing_of[p]]].begin;
 }
 
+static void hold_zones(fray_world *w) {
+  for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
+    if (w->self.zones[impact_zones_of(w, p)].members < 2) continue;
+    w->p.x[p] = w->self.paths[p].end.x;
+    w->p.y[p] = w->self.paths[p].end.y;
+    w->p.z[p] = w->self.paths[p].end.z;
+  }
+}
+
+/* What hangs on a zone goes with it as links pull, by position alone: left behind, it would be drawn over the
+ * way of a tick in a substep. Bodies are not drawn. */
+static void follow_zones(fray_world *w) {
+  const uint32_t sweeps = self_follow_sweeps((uint32_t)w->params->substeps);
+  const uint32_t bodies = (uint32_t)w->params->bodies;
+  int64_t impulse[MAX_BODIES][3];
+  FRAY_ASSERT(bodies <= MAX_BODIES);
+  for (uint32_t b = 0; b < bodies; ++b)
+    for (uint32_t k = 0; k < 3; ++k) impulse[b][k] = w->rigid.motion[b].impulse[k];
+  for (uint32_t p = 0; p < w->p.count; ++p) w->self.paths[p].end = world_position(w, p);
+  for (uint32_t sweep = 0; sweep < sweeps; ++sweep) {
+    strain_limit_apply(w);
+    hold_zones(w);
+  }
+  for (uint32_t b = 0; b < bodies; ++b)
+    for (uint32_t k = 0; k < 3; ++k) w->rigid.motion[b].impulse[k] = impulse[b][k];
+}
+
 void yarn_collision_solve(fray_world *w) {
   FRAY_ASSERT(world_has_yarn_collision(w));
   begin_new_particles(w);
@@ -68,6 +97,10 @@ void yarn_collision_solve(fray_world *w) {
     if (w->yarn.pass == 0) (void)push_pairs(w);
     merge_pairs(w);
     impact_zones_average(w);
+    if (w->self.merged && w->yarn.pass < SELF_FOLLOWS && !world_has_elastic_yarns(w)) {
+      follow_zones(w);
+      continue; /* what followed may touch */
+    }
     if (impact_zones_are_near(w) && w->yarn.moved_without_room == 0) return;
   }
   if (w->yarn.bound_met) return;

@@ -25,6 +25,7 @@ typedef struct {
   lanes64 r[4];           /* u1, u2, v1, v2 */
   lanes g_uu, g_vv, g_uv; /* strain */
   lanes64 uu, vv, uv;     /* impulse of stress */
+  lanes kept[3];          /* for the next step */
   lanes64 far_axis, far_stress, far_corner;
 } membrane_force_lanes;
 
@@ -96,6 +97,41 @@ LANES_INLINE void membrane_force_lanes_stress(membrane_force_lanes *s, const lan
   s->uv = lanes64_rounded(shear, STRAIN_BITS);
 }
 
+LANES_INLINE lanes64 membrane_force_lanes_damped(const int32_t *last, uint32_t count, lanes now) {
+  uint32_t of[LANES];
+  for (uint32_t n = 0; n < (uint32_t)LANES; ++n) of[n] = n < count ? n : 0;
+  const lanes before = count == (uint32_t)LANES ? lanes_load(last) : lanes_gather(last, of);
+  return lanes64_words(lanes_add(now, lanes_round(lanes_sub(now, before), STRESS_RISE_BITS)));
+}
+
+/* Returns 0 where a stress is larger than is kept. */
+LANES_INLINE int membrane_force_lanes_damp(const force_view *v, uint32_t first, uint32_t count,
+                                           membrane_force_lanes *s) {
+  lanes64 *const stress[3] = {&s->uu, &s->vv, &s->uv};
+  lane_mask beyond = lanes_not_equal(lanes_set(0), lanes_set(0));
+  if (v->last == NULL) return 1;
+  LANES_UNROLL
+  for (uint32_t k = 0; k < 3; ++k) {
+    const lanes now = lanes64_low(*stress[k]);
+    s->kept[k] = lanes_clamp(now, STRESS_KEPT_MAX);
+    beyond = mask_or(beyond, lanes_not_equal(now, s->kept[k]));
+    const int32_t *last = v->last + k * v->last_stride + first;
+    if (v->has_last != 0) *stress[k] = membrane_force_lanes_damped(last, count, now);
+  }
+  return mask_bits(beyond) == 0;
+}
+
+LANES_INLINE void membrane_force_lanes_keep(const force_view *v, uint32_t first, uint32_t count,
+                                            const membrane_force_lanes *s) {
+  int32_t words[LANES];
+  if (v->last == NULL) return;
+  for (uint32_t k = 0; k < 3; ++k) {
+    int32_t *const last = v->last + k * v->last_stride + first;
+    lanes_store(count == (uint32_t)LANES ? last : words, s->kept[k]);
+    for (uint32_t n = 0; count != (uint32_t)LANES && n < count; ++n) last[n] = words[n];
+  }
+}
+
 /* Returns 0 where a value would be clamped. */
 LANES_INLINE int membrane_force_lanes_impulses(membrane_force_lanes *s, lanes one[4], lanes two[4]) {
   const unsigned bits = TRIMESH_WEIGHT_BITS + FORCE_MORE_BITS;
@@ -137,10 +173,12 @@ LANES_INLINE int membrane_force_lanes_group(const force_view *v, uint32_t first,
   membrane_force_lanes_load(v, first, count, &s, c);
   membrane_force_lanes_strain(&s);
   membrane_force_lanes_stress(&s, c);
+  if (!membrane_force_lanes_damp(v, first, count, &s)) return 0;
   const int is_within = membrane_force_lanes_impulses(&s, one, two);
   const lanes largest = lanes_add(lanes_max(s.g_uu, s.g_vv), lanes_asr(lanes_abs(s.g_uv), 1));
   const lane_mask beyond = lanes_greater(largest, lanes_gather(v->strain_threshold, of));
   if (!is_within || mask_bits(beyond) != 0) return 0;
+  membrane_force_lanes_keep(v, first, count, &s);
   membrane_force_lanes_add(v, &s, count, one, two);
   return 1;
 }
@@ -161,7 +199,9 @@ LANES_INLINE int corotational_force_lanes_group(const force_view *v, uint32_t fi
   s.uu = stress[0];
   s.vv = stress[1];
   s.uv = stress[2];
+  if (!membrane_force_lanes_damp(v, first, count, &s)) return 0;
   if (!membrane_force_lanes_impulses(&s, one, two)) return 0;
+  membrane_force_lanes_keep(v, first, count, &s);
   membrane_force_lanes_add(v, &s, count, one, two);
   return 1;
 }

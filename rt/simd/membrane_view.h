@@ -11,6 +11,8 @@
 #include "rt/state/trimesh.h"
 
 enum { FORCE_MORE_BITS = 4, FORCE_MAX = (1 << 26) - (1 << 22) }; /* Q26 */
+/* Damping: stress goes on by 2^-STRESS_RISE_BITS of what it rose by since the last step. */
+enum { STRESS_RISE_BITS = 5, STRESS_KEPT_MAX = (1 << 30) - (1 << STRESS_RISE_BITS) };
 enum {
   BEND_MAX = 1 << 20,    /* Q26: impulse of a corner */
   BEND_PER_LENGTH_LESS = 26,   /* a moment in Q(bend_bits - 2) over a length in Q20, to Q(bend_bits - 8) */
@@ -32,6 +34,9 @@ typedef struct {
   const trimesh_weights *weights; /* of triangles: d(u, v) by edges at rest */
   const membrane_gain *gains;     /* of triangles, once a tick: membrane/membrane_gains.c */
   const int32_t *strain_threshold; /* of triangles: membrane/strain_law.h; above it they are left */
+  int32_t *last;         /* of triangles: stress of the last step, three columns; written. NULL: no damping */
+  uint32_t last_stride;  /* of these columns */
+  int32_t has_last;      /* 0: there was none in this tick */
 } force_view;
 
 /* simd_bend_normals(), _folds(), _moments(), _joints(), _corners(): in a bending step. */

@@ -8,12 +8,7 @@
 enum {
   BEND_SHEAR_HI_MAX = 16383,
   BEND_SHEAR_T_MIN = 1024, /* 1/32 in Q15 */
-  BEND_SHEAR_DV_MAX = 1 << 24, /* one spring, one tick: 1/16 lu per substep */
-  /* 1 - 1/sqrt(1 + x) on x = -1/2..1, in powers of x from the first, Q14 */
-  BEND_SHEAR_SERIES_1 = 8192,
-  BEND_SHEAR_SERIES_2 = -6780,
-  BEND_SHEAR_SERIES_3 = 6059,
-  BEND_SHEAR_SERIES_4 = -2706
+  BEND_SHEAR_DV_MAX = 1 << 24 /* one spring, one tick: 1/16 lu per substep */
 };
 
 /* The arguments of simd_bend_shear(). */

@@ -10,8 +10,25 @@ enum { CONTACT_APART, CONTACT_TOUCHES, CONTACT_GROUND /* the normal is (0, 1, 0)
 typedef struct {
   uint32_t particle;
   uint16_t body;
-  uint16_t touching; /* in this substep: CONTACT_APART, _TOUCHES or _GROUND */
-  vec3 normal;       /* Q30, from the body to the particle; valid for CONTACT_TOUCHES */
+  union {
+    uint16_t touching; /* in this substep: CONTACT_APART, _TOUCHES or _GROUND */
+    int16_t plane_gap; /* of a mesh beside elastic yarns: see contact_plane_gap() */
+  };
+  vec3 normal;       /* Q30, from the body to the particle; valid for CONTACT_TOUCHES, and of meshes. Beside
+                        elastic yarns, of primitives: Q28, a velocity; contact_steps_mark(), _pulled() */
 } contact;
+
+/* How far a particle is from the plane that it meets where a substep begins, Q24 lu, held to 4 lu: 12 bits
+ * and an exponent, rounded down by less than 1 / 1024 of it. */
+enum { CONTACT_GAP_MAX = (1 << 26) - 1, CONTACT_GAP_EXPONENT = 15 };
+static inline int16_t contact_plane_gap(int64_t gap) {
+  int32_t part = (int32_t)fx_clamp64(gap, -CONTACT_GAP_MAX, CONTACT_GAP_MAX);
+  int32_t exponent = 0;
+  for (; part >= 1 << 11 || part < -(1 << 11); part = fx_asr(part, 1)) ++exponent;
+  return (int16_t)(part * 16 + exponent);
+}
+static inline int32_t contact_gap_of(int16_t plane_gap) {
+  return fx_asr(plane_gap, 4) * (1 << (plane_gap & CONTACT_GAP_EXPONENT));
+}
 
 #endif

@@ -18,10 +18,11 @@ typedef struct {
   int32_t x, y, z, padding;
 } elastic_impulse;
 
-/* Of a watched world's vertex: that sum behind zones, repayment, limits of edges and contact. */
+/* Of a watched world's vertex: the part of that sum that damps stress, and the sum behind zones, repayment,
+ * limits of edges and contact. */
 enum { STEP_MARKS = 5 };
 typedef struct {
-  elastic_impulse sum[STEP_MARKS - 1];
+  vec3 damping, sum[STEP_MARKS - 1];
 } metered_impulse;
 
 /* Of its body, behind the last mark: its impulse on the cloth, its speed, and what forces changed of

@@ -12,6 +12,7 @@
 #include "rt/base/wide.h"
 #include "rt/fray.h"
 #include "rt/state/params.h"
+#include "rt/state/yarn_elastic.h"
 
 /* 1: with the ledger. Hosts have it; cores that do one thing at a time and machines without an
  * operating system do not, and neither code nor memory is left of it there. */
@@ -22,6 +23,14 @@
 #define FRAY_ENERGY 1
 #endif
 #endif
+
+/* In an elastic step of yarns: before it, behind its damping, behind all but contact, behind that. */
+typedef enum {
+  ENERGY_STEP_BEGUN,
+  ENERGY_STEP_DAMPED,
+  ENERGY_STEP_FORCED,
+  ENERGY_STEP_MARKS
+} energy_step_mark_name;
 
 #if FRAY_ENERGY
 /* What is stored at one moment. The kinetic store is motion, form and held (rt/energy/README.md).
@@ -52,6 +61,8 @@ typedef struct {
   wide_number stage[FRAY_ENERGY_STAGES]; /* of this tick, net */
   wide_number made[FRAY_ENERGY_STAGES], lost[FRAY_ENERGY_STAGES];
   int64_t seen[MAX_BODIES][3]; /* impulses of bodies that are in the books */
+  int32_t velocity[MAX_BODIES][3]; /* of bodies, when a tick begins and when they moved last */
+  metered_yarn_body step[ENERGY_STEP_MARKS][MAX_BODIES]; /* of an elastic step of yarns, behind its marks */
   uint32_t fastest_vertex;
   uint64_t fastest_squared, fastest_tick;
 } energy_ledger;

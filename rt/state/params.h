@@ -186,8 +186,7 @@ typedef struct {
 #define YARN_ELASTIC_PARAMS(X) \
   X(steps_bits,         0,          6)         /* 2^ of it: inner steps in a substep */ \
   X(stiffness_un,       1,          WORD_MAX)  /* force of a yarn at a strain of 1, uN */ \
-  X(damping_ns,         0,          WORD_MAX)  /* force is that of strain + damping * its rate */ \
-  X(max_strain,         0,          1 << 14)   /* Q16 strain from which on links are projected */
+  X(damping_ns,         0,          WORD_MAX)  /* force is that of strain + damping * its rate */
 
 typedef struct {
 #define X(name, least, most) int32_t name;

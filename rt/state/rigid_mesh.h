@@ -96,7 +96,7 @@ uint32_t collider_count(const fray_world *w);
 /* Of a membrane nothing is pushed first: the tests are what keeps it apart. */
 static inline uint32_t collider_checks(const fray_world *w) {
   const uint32_t again = collider_count(w) > 1u ? (uint32_t)COLLIDER_CHECKS : 0u;
-  return world_has_membrane(w) ? 1u + COLLIDER_CHECKS : again;
+  return world_is_projected(w) ? again : 1u + COLLIDER_CHECKS;
 }
 /* The mesh of a body; rigid_mesh_count() where it has none. */
 uint32_t rigid_mesh_of_body(const fray_world *w, uint32_t b);

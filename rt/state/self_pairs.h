@@ -29,6 +29,7 @@ enum {
   MAX_YARN_PAIRS = 1 << 20,
   SELF_THICKNESS_MAX = 1 << 22,
   SELF_PASSES = 8,   /* searches of the whole cloth in a tick */
+  SELF_FOLLOWS = 4,  /* of these, behind which links follow zones of yarns */
   SELF_ROUNDS = 3,   /* rounds of pushes */
   SELF_MERGES = 8,   /* rounds of merges in a pass */
   SELF_VISITS = 128, /* tests of two boxes in a pass, for each crossing */
@@ -36,6 +37,9 @@ enum {
   SELF_BOXES = 2,    /* nodes of the tree for each crossing: 4/3, and what odd sizes add */
   SELF_LEVELS = 13
 };
+
+/* Sweeps of links that follow a zone: it goes back by the way of a tick. */
+static inline uint32_t self_follow_sweeps(uint32_t substeps) { return (substeps + 7u) / 8u; }
 
 /* A particle's straight path in the tick, Q24 lu. */
 typedef vec_path self_path;

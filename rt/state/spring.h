@@ -96,6 +96,21 @@ static inline bend_shear_class bend_shear_class_make(int32_t rest, int32_t manti
   return c;
 }
 
+/* 1 - 1/sqrt(1 + x), as forces have it, with the square of a length over that at rest, less 1: of bend and
+ * shear springs on -1/2..1, in powers of x from the first, Q14; of elastic yarns on -7/16..9/16, over x, in
+ * powers of x, Q28. */
+enum {
+  BEND_SHEAR_SERIES_1 = 8192,
+  BEND_SHEAR_SERIES_2 = -6780,
+  BEND_SHEAR_SERIES_3 = 6059,
+  BEND_SHEAR_SERIES_4 = -2706,
+  STRETCH_PHI_0 = 1 << 27,
+  STRETCH_PHI_1 = -101005220,
+  STRETCH_PHI_2 = 88514470,
+  STRETCH_PHI_3 = -82736220,
+  STRETCH_PHI_4 = 47846700
+};
+
 /* Which ends of a batch's springs are attached: none, i, or both. Springs of inactive batches have no force
  * and are not projected, but links among them can break. */
 enum { BATCH_FREE = 0, BATCH_ATTACHED = 1, BATCH_INACTIVE = 2 };

@@ -103,7 +103,6 @@ typedef struct {
   const yarn_params *yarn_constants;
   const yarn_elastic_params *elastic_params;
   const yarn_gain *yarn_gains;     /* by class of links */
-  const link_class *max_links;     /* links at the strain from which projection limits them */
   /* state */
   index_t *spring_i, *spring_j;    /* ends */
   uint8_t *spring_kind;
@@ -117,6 +116,9 @@ typedef struct {
   uint32_t tear_count;
   uint32_t tears_waiting;
   yarn_contact_step *contact_steps; /* of a contact of yarns */
+#if FRAY_ENERGY
+  metered_yarn *metered;           /* energy/energy_yarn_step.c, where the world is watched */
+#endif
 } woven_state;
 
 /* The triangle cloth beside its mesh (model 2). Writer: membrane/. */
@@ -134,7 +136,7 @@ typedef struct {
   /* of one tick */
   membrane_gain *gains;            /* of a triangle */
   int32_t *strain_threshold;       /* of a triangle, Q28: membrane/strain_law.h */
-  material_tensor *stress;                  /* of a triangle at the beginning of the tick, Q12 N/m */
+  material_tensor *stress;         /* of a triangle when a tick begins, Q12 N/m; see membrane_last_stress() */
   int32_t *plates;                 /* of a triangle: PLATE_COLUMNS */
   int32_t *folds;                  /* of a side between two triangles: FOLD_COLUMNS */
   bend_normal *normals;            /* of a triangle, in a bending step */
@@ -143,7 +145,7 @@ typedef struct {
   uint8_t bend_current;            /* 0: tears or cuts have changed the mesh since they were found */
   uint8_t bend_faded;              /* 1: the angle of some counts less, for triangles pressed together */
   uint8_t at_edge;                 /* 1: a vertex may reach the edge of the world in this substep */
-  uint8_t constraints_missed;      /* 1: in this substep some had no room */
+  uint8_t constraints_missed;      /* 1: in this substep some had no room; of elastic yarns too */
   int32_t *inverse_mass;           /* of a vertex: Q24 of 1 / particle mass */
   elastic_position *positions;     /* of a vertex */
   int32_t *low_x, *low_y, *low_z;  /* of a vertex: its position below Q28, Q59 */
@@ -297,6 +299,26 @@ static inline int32_t *bend_plate_column(const fray_world *w, uint32_t column) {
   FRAY_ASSERT(column < PLATE_COLUMNS);
   return w->membrane.plates + column * w->capacity[POOL_TRIANGLES];
 }
+/* The stress of the last elastic step, once the tick has no use for that of its beginning: columns of uu, vv,
+ * uv, each as long as triangles_in_use(), as membrane_force.c has them. */
+static inline int32_t *membrane_last_stress(const fray_world *w) {
+  return (int32_t *)(void *)w->membrane.stress;
+}
+/* Of H of a triangle, between two sides. */
+static inline int32_t *bend_plate_entry(const fray_world *w, uint32_t i, uint32_t j) {
+  static const uint8_t entry[3][3] = {{PLATE_H00, PLATE_H01, PLATE_H02},
+                                      {PLATE_H01, PLATE_H11, PLATE_H12},
+                                      {PLATE_H02, PLATE_H12, PLATE_H22}};
+  FRAY_ASSERT(i < 3 && j < 3);
+  return bend_plate_column(w, entry[i][j]);
+}
+/* About side k of a triangle, of the angles of a bending step; Q(bend_bits + BEND_ANGLE_BITS). */
+static inline int64_t bend_plate_moment(const fray_world *w, uint32_t t, uint32_t k) {
+  const int32_t *angle = w->membrane.moments[t].side;
+  return fx_mul_wide(bend_plate_entry(w, k, 0)[t], angle[0]) +
+         fx_mul_wide(bend_plate_entry(w, k, 1)[t], angle[1]) +
+         fx_mul_wide(bend_plate_entry(w, k, 2)[t], angle[2]);
+}
 
 static inline vec3 world_position(const fray_world *w, uint32_t p) {
   return vec_make(w->p.x[p], w->p.y[p], w->p.z[p]);
@@ -355,6 +377,10 @@ static inline int world_has_yarns(const fray_world *w) { return FRAY_YARNS && w-
 static inline int world_has_shear_lock(const fray_world *w) { return w->features.shear_lock; }
 static inline int world_has_elastic_yarns(const fray_world *w) {
   return FRAY_STRETCH && w->features.elastic_yarns;
+}
+/* Links move positions, once a substep. */
+static inline int world_is_projected(const fray_world *w) {
+  return !world_has_membrane(w) && !world_has_elastic_yarns(w);
 }
 static inline int world_has_rigid_meshes(const fray_world *w) {
   return FRAY_MESHES && w->features.rigid_meshes;

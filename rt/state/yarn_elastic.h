@@ -25,4 +25,14 @@ typedef struct {
 
 enum { YARN_GAIN_WORDS = sizeof(yarn_gain) / 4 };
 
+/* Of a watched world, velocities in an elastic step, Q28 lu per substep: before it, behind its damping, and
+ * behind all but contact. */
+typedef struct {
+  vec3 begun, damped, forced;
+} metered_yarn;
+/* Of a body: its impulse on the cloth and its speed, Q44. */
+typedef struct {
+  int64_t impulse[3], speed[3];
+} metered_yarn_body;
+
 #endif

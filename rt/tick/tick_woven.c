@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A tick of woven cloth: the loop of Metaaphanon 2009, section 4 (its step numbers at the right), with
  * substeps around gravity, 4 to 6 and 8. Bend, shear and damping act once a tick, before them;
- * beside elastic yarns bend and shear in each substep. */
+ * beside elastic yarns bend, shear and the broad phase in each substep. */
 #include "rt/contact/contact.h"
 #include "rt/energy/energy.h"
 #include "rt/integrate/integrate.h"
@@ -33,7 +33,7 @@ void tick_woven(fray_world *w) {
   }
   if (world_has_yarns(w)) yarn_grip_update(w);
   energy_stage(w, FRAY_ENERGY_TEARS); /* offsets of contacts that tears began fade */
-  contact_gather(w);
+  if (!world_has_elastic_yarns(w)) contact_gather(w);
   if (world_has_yarn_collision(w)) yarn_collision_begin(w);
   for (uint32_t substep = 0; substep < substeps; ++substep) {
     if (world_has_rigid_meshes(w)) contact_vertices_begin(w);
@@ -42,6 +42,8 @@ void tick_woven(fray_world *w) {
     if (world_has_elastic_yarns(w)) {
       bend_shear_apply(w);
       energy_springs(w);
+      contact_gather(w);
+      if (world_has_rigid_meshes(w)) contact_yarn_planes_find(w);
       yarn_stretch_run(w);
     } else {
       particles_advance(w);      /* 1, 2, 4 */
@@ -63,8 +65,8 @@ void tick_woven(fray_world *w) {
     particles_update_velocity(w); /* 8 */
     energy_velocities(w);
     contact_update_velocity(w);   /* 8 */
-    energy_stage(w, FRAY_ENERGY_CONTACT);
     if (substep + 1u == substeps && world_has_yarn_collision(w)) {
+      energy_stage(w, FRAY_ENERGY_CONTACT);
       yarn_collision_solve(w); /* 6 */
       energy_stage(w, FRAY_ENERGY_SELF_COLLISION);
     }

@@ -53,7 +53,7 @@ __attribute__((noinline)) static void spread_splits(fray_world *w, uint32_t cros
 
 __attribute__((noinline)) static void find_strained(fray_world *w) {
   const int32_t strain_min = w->woven.yarn_constants->split_min;
-  const link_view view = woven_links(w, w->woven.link_classes);
+  const link_view view = woven_links(w);
   const uint32_t end = (uint32_t)w->params->links;
   for (uint32_t spring = 0; spring < end; ++spring) {
     spring = simd_tear_scan(w->kernel, view, strain_min, spring, end);

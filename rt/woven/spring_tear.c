@@ -74,7 +74,7 @@ void spring_tear_find_range(fray_world *w, uint32_t first, uint32_t end) {
   FRAY_ASSERT(first <= end && end <= (uint32_t)w->params->links);
   const params *p = w->params;
   if (p->tearing == 0) return;
-  const link_view view = woven_links(w, w->woven.link_classes);
+  const link_view view = woven_links(w);
   uint32_t kind = KIND_NONE;
   int32_t rest = 0;
   tear_bound bound = 0;

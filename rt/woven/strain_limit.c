@@ -162,8 +162,7 @@ static void project_batches(fray_world *w, link_view view, uint32_t b, uint32_t 
 
 void strain_limit_range(fray_world *w, uint32_t b, uint32_t batches) {
   FRAY_ASSERT(batches <= (uint32_t)w->params->link_batches);
-  const link_class *const classes = world_has_elastic_yarns(w) ? w->woven.max_links : w->woven.link_classes;
-  project_batches(w, woven_links(w, classes), b, batches);
+  project_batches(w, woven_links(w), b, batches);
 }
 
 /* Second springs of diagonals, behind the first, are dead before a crossing splits. */
@@ -178,7 +177,7 @@ static void lock_diagonals(fray_world *w) {
 void strain_limit_apply(fray_world *w) {
   FRAY_ASSERT(w->params->iterations > 0);
   for (int32_t iteration = 0; iteration < w->params->iterations; ++iteration) {
-    strain_limit_range(w, 0, (uint32_t)w->params->link_batches);
+    if (!world_has_elastic_yarns(w)) strain_limit_range(w, 0, (uint32_t)w->params->link_batches);
     if (world_has_shear_lock(w)) lock_diagonals(w);
   }
 }

@@ -54,7 +54,7 @@ static int32_t elastic_of(const fray_world *w, uint32_t class) {
 }
 
 static void find_gains(const fray_world *w, grip_gains *k) {
-  k->links = woven_links(w, w->woven.link_classes);
+  k->links = woven_links(w);
   for (uint32_t axis = 0; axis < 2; ++axis) {
     const uint32_t class = CLASS_WEFT + axis;
     k->elastic[axis] = elastic_of(w, class);

@@ -3,7 +3,7 @@
 # size.sh [update]: bytes of code of rt by machine and folder, and of a whole firmware on the M3; RAM
 # of a world by array, with every spare and 16-bit ids, as the runtime itself accounts for it; against
 # tests/budget and what is asked: a firmware in 64 KiB of code, 16x16 in 64 KiB of RAM, 8x8 with
-# everything that runs it in the 16 KiB of a microbit. PART=2/4: the second of four parts of its rows.
+# everything that runs it in the 16 KiB of a microbit. PART=2/8: the second of eight parts of its rows.
 . tests/lib/suite.sh
 . tests/stack/firmware.sh
 

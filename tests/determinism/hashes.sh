@@ -3,8 +3,8 @@
 # hashes.sh [short|full|update|only NAME...]: the same hash and the same outputs after every tick, on
 # every machine, with every compiler and option of configs.sh, as tests/golden says. One row a
 # configuration, JOBS of them at a time.
-# `full` compares what the command makes on other machines too: images, and a run of `make run`. PART=2/4: the
-# second of four parts of the configurations of `short` or `full`.
+# `full` compares what the command makes on other machines too: images, and a run of `make run`. PART=2/8: the
+# second of eight parts of the configurations of `short` or `full`.
 # `update` writes tests/golden anew from gcc -O2: a commit of its own, that says why.
 . tests/lib/suite.sh
 . tests/determinism/configs.sh

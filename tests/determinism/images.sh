@@ -3,7 +3,7 @@
 # images.sh [here|only NAME...|update]: one scene gives the same image, byte for byte, from the scene
 # compiler of every compiler and machine, one script the same log, and one run the same pictures in
 # every look; and every scene in tests the image of tests/golden/images.txt. `here` makes the images to
-# compare with and checks that list, `only` does neither, `update` writes the list. PART=2/4: the second of four
+# compare with and checks that list, `only` does neither, `update` writes the list. PART=2/8: the second of eight
 # parts of the compilers and machines.
 . tests/lib/suite.sh
 . tests/determinism/configs.sh

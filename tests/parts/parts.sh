@@ -29,22 +29,22 @@ for list in "$CONFIGS_FULL" "$CONFIGS_SHORT"; do
   done
 done
 
-# four runs of any commits are a cycle, also where the same commit runs again
-for hashes in '0000 0000 0000 0000' '0003 0002 fff1 a000' '1234 9abc 1234 ffff'; do
+# eight runs of any commits are a cycle, also where the same commit runs again
+for hashes in '0000 0000 0000 0000 0000 0000 0000 0000' '0007 0006 fff1 a000 0003 0002 abcd 1111' '1234 9abc 1234 ffff 0000 7777 0000 8888'; do
   rm -f "$work/ran"
   for hash in $hashes; do
     k=$($part choose "$work/ran" "${hash}aaaa")
     $part ran "$work/ran" "$hash" "$k"
   done
-  is "the parts of $hashes" "$(cut -d' ' -f2 "$work/ran" | sort | words)" '1 2 3 4'
-  is 'what is left of a cycle that has ended' "$($part left "$work/ran")" '1 2 3 4'
+  is "the parts of $hashes" "$(cut -d' ' -f2 "$work/ran" | sort | words)" '1 2 3 4 5 6 7 8'
+  is 'what is left of a cycle that has ended' "$($part left "$work/ran")" '1 2 3 4 5 6 7 8'
 done
-is 'the first part is that of the digits' "$($part choose "$work/none" 0002f)" 3
-printf 'x 2\nx 4\n' >"$work/ran"
-is 'what is left' "$($part left "$work/ran")" '1 3'
+is 'the first part is that of the digits' "$($part choose "$work/none" 000cf)" 5
+printf 'x 2\nx 4\nx 9\n' >"$work/ran"
+is 'what is left' "$($part left "$work/ran")" '1 3 5 6 7 8'
 
 # the lists that make divides: each word once, over all parts
-for goal in san guests proof target-test; do
+for goal in san guests proof target-test analysis; do
   whole=$(${MAKE_COMMAND:-make} -s --no-print-directory MAKEFLAGS= parts-of-$goal PART=1/1 | words)
   holds "make $goal: its list" [ "$(echo "$whole" | wc -w)" -ge 3 ]
   # shellcheck disable=SC2086
@@ -52,12 +52,13 @@ for goal in san guests proof target-test; do
     "$(printf '%s\n' $whole | sort | words)"
 done
 
-# what make test runs: each suite and program in one part of four or in all, and all that are asked for by name
+# what make test runs: each suite and program in one part of eight or in all, and all that are asked for by name
 chains_of() { FRAY_BUILD=b PART=$1 SUITES=${2:-} sh tests/chains.sh b/tests/physics/test_yarn_rest b/tests/physics/test_one | tr ' ' '\n' | grep .; }
-for k in 1 2 3 4; do chains_of $k/4 | sort -u; done | sort | uniq -c | awk '{ print $1 }' | sort -u >"$work/times"
-is 'make test: how often a suite or program is in four parts' "$(words <"$work/times")" '1 4'
-is 'make test in four parts' "$(for k in 1 2 3 4; do chains_of $k/4; done | sort -u | words)" "$(chains_of 1/1 | sort -u | words)"
-is 'make test, a suite of another part by its name' "$(chains_of 3/4 install | head -n 1)" install
+eight='1 2 3 4 5 6 7 8'
+for k in $eight; do chains_of $k/8 | sort -u; done | sort | uniq -c | awk '{ print $1 }' | sort -u >"$work/times"
+is 'make test: how often a suite or program is in eight parts' "$(words <"$work/times")" '1 8'
+is 'make test in eight parts' "$(for k in $eight; do chains_of $k/8; done | sort -u | words)" "$(chains_of 1/1 | sort -u | words)"
+is 'make test, a suite of another part by its name' "$(chains_of 3/8 install | head -n 1)" install
 
 # .ci/run where every tool is there and make says what it is told
 tree=$work/tree
@@ -85,22 +86,24 @@ ci() { # NAME=VALUE...: sets code; $work/said
 says() { if grep -qx -- "$2" "$work/said"; then pass; else fail "$1: no line '$2': $(tail -n 4 "$work/said" | words)"; fi; } # WHAT LINE
 
 ci
-is 'CI where all is good' "$code $(tail -n 1 "$work/said")" '0 28 passed, 0 failed'
-says 'CI' '==== part 1/4; not run in this cycle, as build/ci/parts says: parts 2 3 4'
-is 'parts of CI' "$(grep / "$tree/goals" | words)" 'golden 1/4 proof 1/4 target-test 1/4 guests 1/4 san 1/4'
-for k in 2 3 4; do ci; done
-says 'the fourth CI' '==== part 4/4; not run in this cycle, as build/ci/parts says: parts 1 2 3 4'
+is 'CI where all is good' "$code $(tail -n 1 "$work/said")" '0 25 passed, 0 failed'
+says 'CI' '==== part 1/8; not run in this cycle, as build/ci/parts says: parts 2 3 4 5 6 7 8'
+is 'parts of CI' "$(grep / "$tree/goals" | words)" 'golden 1/8 target-test 1/8 guests 1/4 analysis 1/8'
+for k in 2 3 4 5 6; do ci; done
+is 'guests of the sixth CI' "$(grep guests "$tree/goals")" 'guests 2/4'
+for k in 7 8; do ci; done
+says 'the eighth CI' '==== part 8/8; not run in this cycle, as build/ci/parts says: parts 1 2 3 4 5 6 7 8'
 rm "$tree/build/ci/parts"
-ci BROKEN=proof PART=3
-is 'CI with a proof that fails' "$code $(tail -n 1 "$work/said")" '1 27 passed, 1 failed'
-says 'CI names it' 'proof: FAILED a thing of proof'
-ci MUTE=san PART=3
-is 'CI with sanitizers that say nothing' "$code $(tail -n 1 "$work/said")" '1 25 passed, 1 failed'
-says 'CI, part 3' '==== part 3/4; not run in this cycle, as build/ci/parts says: parts 1 2 4'
+ci BROKEN=golden PART=3
+is 'CI with a table that is not golden' "$code $(tail -n 1 "$work/said")" '1 24 passed, 1 failed'
+says 'CI names it' 'golden: FAILED a thing of golden'
+ci MUTE=analysis PART=3
+is 'CI with an analysis that says nothing' "$code $(tail -n 1 "$work/said")" '1 22 passed, 1 failed'
+says 'CI, part 3' '==== part 3/8; not run in this cycle, as build/ci/parts says: parts 1 2 4 5 6 7 8'
 ci FRAY_CI_SECONDS=1000
 is 'CI without time' "$code" 1
-says 'CI without time' '==== part 1/4; not run in this cycle, as build/ci/parts says: parts 1 2 4'
-says 'CI names what was not run' '==== not run: sanitizers, [0-9]* s of 1000 s are gone'
-ci PART=5
+says 'CI without time' '==== part 1/8; not run in this cycle, as build/ci/parts says: parts 1 2 4 5 6 7 8'
+says 'CI names what was not run' '==== not run: analysis, [0-9]* s of 1000 s are gone'
+ci PART=9
 is 'CI, a part that is none' "$code" 2
 suite_end

@@ -87,6 +87,21 @@ static void cloth_falls_on_meshes(void) {
             "mesh m { obj tests/scenes/meshes/sword.obj rotate 80 deg about z at -2 0 0 cm }\n", 500, 0);
 }
 
+/* Yarns with a stiffness meet planes of meshes in their elastic steps, and meshes move in these. */
+static void elastic_yarns_stay_in_front(void) {
+  try_scene("stretch_box",
+            SHEET("at 0 0.52 0 cm stretch 0.5 N") "substeps 4\n"
+            "mesh m { obj \"tests/scenes/meshes/box.obj\" at 0 0 0 cm }\n", 300, 0);
+  try_scene("stretch_plate",
+            SHEET("at 0 0 0 cm stretch 0.5 N") "substeps 8\npin row top\n"
+            "mesh m { obj tests/scenes/meshes/plate.obj at 0.7 1 0.3 cm move free mass 20 g "
+            "velocity 30 -300 10 cm/s }\n", 100, 0);
+  try_scene("stretch_slash",
+            SHEET("at 0 0 0 cm stretch 0.5 N") "substeps 8\npin row top\n"
+            "mesh m { obj tests/scenes/meshes/sword.obj friction 1 move path { 0 s -2 2 0 cm 0.01 s -2 2 0 "
+            "cm 0.012 s 3 1.9 0 cm 0.03 s 3 2 1 cm 0.04 s -3 2 -1 cm } }\n", 80, 0);
+}
+
 /* 5 cm a tick. */
 static void thrown_meshes_stay_in_front(void) {
   try_scene("thrown_ball",
@@ -156,6 +171,7 @@ static void hands_shake_meshes(void) {
 
 int main(void) {
   TEST(cloth_falls_on_meshes);
+  TEST(elastic_yarns_stay_in_front);
   TEST(thrown_meshes_stay_in_front);
   TEST(between_two_meshes);
   TEST(pools_that_are_too_small);

@@ -232,10 +232,10 @@ static void following_makes_none(void) {
       const fray_energy_account a = fray_energy(f.w);
       const double supplied = account_supplied(&a) + (double)a.begun;
       made = fmax(made, account_net(&a, FRAY_ENERGY_MATERIAL) / supplied);
-      steps = fmax(steps, account_net(&a, FRAY_ENERGY_STEPS) / supplied);
+      steps = fmax(steps, (account_net(&a, FRAY_ENERGY_STEPS) + account_net(&a, FRAY_ENERGY_DAMPING)) / supplied);
       owed += triangles_that_owe(f.w);
     }
-    printf("figure stiffness_%s_made %.3g of what was supplied (asked: at most 1e-3), steps %.3g (asked: at most 0.01), "
+    printf("figure stiffness_%s_made %.3g of what was supplied (asked: at most 1e-3), steps and damping %.3g (asked: at most 0.01), "
            "owed in %.0f triangles a tick\n", cases[n].name, made, steps, owed / cases[n].ticks);
     CHECK(made <= 1e-3 && owed > 0);
     CHECK(steps <= 0.01 || (f.w->state->faults & FRAY_FAULT_OVERSTRETCHED) != 0);
@@ -251,11 +251,11 @@ typedef struct {
   double begun, steps, left; /* energy less debts before a tick; what steps made in it; the part of debts that is left */
 } owing;
 
-static owing tick_that_owes(const char *text, int32_t by_stretch, int32_t by_bending) {
+static owing tick_that_owes(const char *text, uint32_t ticks, int32_t by_stretch, int32_t by_bending) {
   fixture_scoped f = {0};
   owing o = {0, 0, 0};
   fixture_text(&f, text);
-  for (uint32_t tick = 0; tick < 120; ++tick) (void)fixture_tick(&f, &fixture_idle);
+  for (uint32_t tick = 0; tick < ticks; ++tick) (void)fixture_tick(&f, &fixture_idle);
   const fray_world *w = f.w;
   const uint32_t count = triangles_in_use(w);
   for (uint32_t t = 0; t < count; ++t) {
@@ -272,15 +272,21 @@ static owing tick_that_owes(const char *text, int32_t by_stretch, int32_t by_ben
   return o;
 }
 
+/* The mean of many ticks: paper that is bent loses 40 to 170 times as much in one. */
 static void what_is_owed_is_taken(void) {
   for (uint32_t bends = 0; bends < 2; ++bends) {
     const char *text = bends ? bent_paper : swinging;
-    const owing none = tick_that_owes(text, 0, 0);
-    const owing some = tick_that_owes(text, bends ? 0 : 5000, bends ? 64 : 0);
-    const double off = fabs(some.steps - none.steps) / ((none.begun - some.begun) * (1 - some.left));
-    printf("figure owed_by_%s_taken %.3g of it in a tick, and motion gives as much within %.2g (asked: at most 0.03)\n",
-           bends ? "bending" : "stretch", 1 - some.left, off);
-    CHECK(off <= 0.03 && some.left < 0.5);
+    double off = 0, left = 0;
+    uint32_t states = 0;
+    for (uint32_t ticks = 60; ticks <= 150; ticks += 6, ++states) {
+      const owing none = tick_that_owes(text, ticks, 0, 0);
+      const owing some = tick_that_owes(text, ticks, bends ? 0 : 5000, bends ? 64 : 0);
+      off += (some.steps - none.steps) / ((none.begun - some.begun) * (1 - some.left));
+      left += some.left;
+    }
+    printf("figure owed_by_%s_taken %.3g of it in a tick, and motion gives as much within %.2g (asked: at most 0.02), mean of %u\n",
+           bends ? "bending" : "stretch", 1 - left / states, fabs(off) / states, states);
+    CHECK(fabs(off) <= 0.02 * states && left < 0.5 * states);
   }
 }
 

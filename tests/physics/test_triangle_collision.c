@@ -134,7 +134,7 @@ static const char torn[] =
     "membrane {\n columns 12\n rows 9\n cell 2 cm\n pattern irregular 6\n material rag\n drag 0.5 /s\n strain_limit 40 %%\n"
     " thickness 0.05 cm\n %s\n}\n"
     "material rag { base t-shirt tear 4 6 8 6 N/m tear_interval 1 ms }\n"
-    "pin column left\npin column right\nsphere iron { radius 1.5 cm at 4 1 -4 cm move free mass 200 g velocity 0 0 200 cm/s }\n";
+    "pin column left\npin column right\nsphere iron { radius 1.5 cm at 4 1 -4 cm move free mass 200 g velocity 60 0 200 cm/s }\n";
 
 static void nothing_passes(void) {
   static const struct {

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# cppcheck.sh: cppcheck finds nothing in rt. PART=2/4: in the second of four parts of its rooms.
+# cppcheck.sh: cppcheck finds nothing in rt. PART=2/8: in the second of eight parts of its rooms.
 . tests/lib/suite.sh
 
 suite_needs 'cppcheck of rt' cppcheck cppcheck

@@ -7,7 +7,7 @@
 #   - x86-64: no x87 instruction, and of SSE and AVX only moves, shuffles, logic and integers;
 #     M3: no VFP instruction;
 #   - it compiles with general registers only, and the words float and double are nowhere in rt.
-# PART=2/4: the first three in the second of four parts of the configurations.
+# PART=2/8: the first three in the second of eight parts of the configurations.
 . tests/lib/suite.sh
 . tests/determinism/configs.sh
 

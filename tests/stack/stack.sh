@@ -3,7 +3,7 @@
 # stack.sh [update]: the deepest stack of a whole firmware (start-up, runtime, wire, loop, board,
 # helpers of libgcc) by its call graph, machine by machine, against tests/budget; fails on recursion,
 # on frames that are not static, on indirect calls, on a frame that the instructions contradict, and
-# where the mark on a painted stack is not between 60 and 100 % of the bound. PART=2/4: the second of four parts
+# where the mark on a painted stack is not between 60 and 100 % of the bound. PART=2/8: the second of eight parts
 # of its rows.
 . tests/lib/suite.sh
 . tests/stack/firmware.sh

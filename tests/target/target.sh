@@ -28,7 +28,7 @@ cortexm() { # CPU QEMU-OPTIONS
 }
 
 machine() { # NAME
-  name=$1 code_all=0x20000 stack_all=0x2000 ram_all=0x400000
+  name=$1 code_all=0x24000 stack_all=0x2000 ram_all=0x400000
   semihosting="-serial null -chardev stdio,id=console -semihosting-config enable=on,target=native,chardev=console"
   case $name in
     m0) cortexm -mcpu=cortex-m0 \

@@ -247,7 +247,7 @@ static void contacts_are_within_their_pool(int broken) {
 }
 static void contact_has_a_particle(int broken) {
   fray_world *w = membrane.w;
-  w->contact.list[0] = (contact){w->p.count - (broken ? 0 : 1), 0, CONTACT_APART, {0, 0, 0}};
+  w->contact.list[0] = (contact){w->p.count - (broken ? 0 : 1), 0, {CONTACT_APART}, {0, 0, 0}};
   w->contact.count = 1;
   contact_update_velocity(w);
 }

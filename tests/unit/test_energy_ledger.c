@@ -167,12 +167,11 @@ static void free_fall_keeps_the_total(void) {
 }
 
 /* A cloth that lies flat and is held along one side swings down: without drag, wind and contact only its steps
- * can make or lose. The factors of yarns and bend springs are within 0.2 and 0.3 % of their laws
- * (woven/yarn_stretch.c, woven/bend_shear.c), and the ledger has the laws: 0.5 % together. What goes taut within
- * a step loses k a b / 2, for a before and b behind its rest length, and gets it back when it goes slack as
- * fast: damped cloth goes slack slower, so it may lose twice as much. A membrane's energy is that of its steps
- * to their rounding. */
-static void swings(const char *name, const char *text, double most) {
+ * can make or lose. The ledger has the polynomials that stages have for the forces of yarns and springs. What goes
+ * taut within a step loses k a b / 2, for a before and b behind its rest length, and gets it back when it goes
+ * slack as fast: damped cloth goes slack slower, so it may lose 1 %. A membrane's energy is that of its steps to
+ * their rounding. */
+static void swings(const char *name, const char *text, double most, double most_lost) {
   fixture_scoped f = {0};
   fixture_text(&f, text);
   fray_energy_watch(f.w);
@@ -188,20 +187,20 @@ static void swings(const char *name, const char *text, double most) {
     lost = fmax(lost, -net);
   }
   printf("figure %s_steps_made %.3g of the energy turned over (asked: at most %g)\n", name, made / turned, most);
-  printf("figure %s_steps_lost %.3g of the energy turned over (asked: at most %g)\n", name, lost / turned, 2 * most);
+  printf("figure %s_steps_lost %.3g of the energy turned over (asked: at most %g)\n", name, lost / turned, most_lost);
   CHECK(turned > 0);
   CHECK(made <= most * turned);
-  CHECK(lost <= 2 * most * turned);
+  CHECK(lost <= most_lost * turned);
 }
 static void springs_keep_the_total(void) {
   swings("yarns",
          "scene swing\nrate 1000 Hz\nsubsteps 8\nwoven {\n warps 6\n wefts 6\n spacing 12 /cm\n stretch 0.5 N\n"
          " tear off\n drag 0 /s\n orientation horizontal\n}\npin row top\n",
-         0.005);
+         1e-4, 0.01);
   swings("membrane",
          "scene swing\nrate 1000 Hz\nmembrane {\n columns 3\n rows 6\n cell 1 cm\n material denim\n drag 0 /s\n"
          " orientation horizontal\n}\npin row top\n",
-         0.001);
+         1e-4, 0.002);
 }
 
 /* A hand draws a hanging cloth: its work by the views, impulse times velocity, is that of the ledger; and what

@@ -213,7 +213,7 @@ static void prepare(fray_world *w, const positions *from, fray_kernel kernel) {
 
 /* Of triangles, as they are now: those before the first that is left to the scalar code. */
 static uint64_t taken_of(const fray_world *w) {
-  const force_view view = {w->membrane.positions, w->membrane.impulse, w->trimesh.triangle, w->trimesh.weights, w->membrane.gains, w->membrane.strain_threshold};
+  const force_view view = {w->membrane.positions, w->membrane.impulse, w->trimesh.triangle, w->trimesh.weights, w->membrane.gains, w->membrane.strain_threshold, NULL, 0, 0};
   const uint32_t triangles = (uint32_t)w->trimesh.state->triangles;
   return world_is_corotational(w) ? simd_corotational_force(w->kernel, &view, 0, triangles)
                                   : simd_membrane_force(w->kernel, &view, 0, triangles);
@@ -221,7 +221,7 @@ static uint64_t taken_of(const fray_world *w) {
 
 /* Of drawn triangles: all that it takes. */
 static uint64_t drawn_taken_of(const fray_world *w) {
-  const force_view view = {w->membrane.positions, w->membrane.impulse, w->trimesh.triangle, w->trimesh.weights, w->membrane.gains, w->membrane.strain_threshold};
+  const force_view view = {w->membrane.positions, w->membrane.impulse, w->trimesh.triangle, w->trimesh.weights, w->membrane.gains, w->membrane.strain_threshold, NULL, 0, 0};
   uint64_t sum = 0;
   for (uint32_t t = 0; t < triangles_in_use(w); t += SIMD_LEFT) {
     const uint32_t taken = simd_corotational_force(w->kernel, &view, t, triangles_in_use(w));
@@ -372,7 +372,7 @@ static int32_t find_stress(fray_world *w, const arrays *a, fray_kernel kernel) {
   fray_set_kernel(w, kernel);
   put(a);
   w->state->faults = 0;
-  membrane_force_add(w);
+  membrane_force_add(w, FORCE_FIRST);
   membrane_stress_update(w);
   return w->state->faults;
 }

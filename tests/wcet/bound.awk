@@ -43,13 +43,15 @@ function rounds(what) {
   # of triangles all of a substep but its end is in inner steps
   if (what == "axis_predictions") return 3 * (triangles ? (particles - held) * substeps : most["predictions"])
   if (what == "axis_places") return 3 * (triangles ? particles - held : most["predictions"] / substeps)
-  if (what == "gathers") return most[what] - planes * (particles - held)
+  if (what == "gathers") return most[what] - pulls * planes * (particles - held)
   if (what == "contact_steps") return contact_steps
   if (what == "contacts" || what == "tear_tests" || what == "cuts") return most[what]
-  if (what == "plane_gathers") return planes * (particles - held)
-  if (what == "enlisted") return most["contacts"] / substeps + bodies
+  if (what == "plane_gathers") return pulls * planes * (particles - held)
+  if (what == "enlisted") return pulls * (most["contacts"] / substeps + bodies)
   if (what == "bodies") return bodies
+  if (what == "gathered_bodies") return bodies * pulls
   if (what == "body_steps") return bodies * substeps
+  if (what == "body_updates") return bodies * substeps * (1 + (stretches != 0) * inner_steps)
   if (what == "plane_tests") return free_bodies * planes * substeps
   if (what == "held_steps") return held * substeps
   if (what == "damped") return damping ? particles - held : 0
@@ -91,11 +93,11 @@ function rounds(what) {
   if (what == "begun_vertices") return (triangles != 0) * particles * (substeps + 2)
   if (what == "followed") return triangles * 9 / 8
   if (what == "summed_vertices") return particles * sheet_inner * substeps
-  if (what == "inner_bodies") return bodies * sheet_inner * substeps
-  if (what == "inner_planes") return free_bodies * planes * sheet_inner * substeps
+  if (what == "inner_bodies") return bodies * all_inner * substeps
+  if (what == "inner_planes") return free_bodies * planes * all_inner * substeps
   if (what == "limited_edges") return limited * 3 * triangles * sheet_inner * substeps
   if (what == "constraints") return constraints
-  if (what == "held_pulls") return held * sheet_inner * substeps
+  if (what == "held_pulls") return held * all_inner * substeps
   if (what == "vertices_pulled") return (particles - held) * sheet_inner * substeps
   if (what == "ended_vertices") return (triangles != 0) * (particles - held) * substeps
   print "bound.awk: no count " what >"/dev/stderr"
@@ -106,7 +108,8 @@ function least(a, b) { return a < b ? a : b }
 function is_inner(stage, loop) { return stage == "yarn_stretch_run" && (loop == "slips" || loop == "spares") }
 function times(stage) {
   if (stage == "yarn_slip_apply" && stretches != 0) return substeps * inner_steps
-  if (stage == "bend_shear_apply") return pulls
+  if (stage == "bodies_update_velocity" && stretches != 0) return substeps * (1 + inner_steps)
+  if (stage == "bend_shear_apply" || stage == "contact_gather") return pulls
   return per[stage] == "substep" ? substeps : 1
 }
 
@@ -123,7 +126,8 @@ $1 == "limits" {
   cleared_bytes = $23; motion_bytes = $24
   yarns = $37; spares = $38; slips = $39; splits = $40; all_yarn = $41
   warps = $3; wefts = $42; stretches = $43; inner_steps = $44; crossings = $3 * $42; particles += spares
-  pulls = stretches != 0 ? substeps : 1 # of bend and shear springs
+  all_inner = triangles != 0 ? sheet_inner : stretches != 0 ? inner_steps : 0
+  pulls = stretches != 0 ? substeps : 1 # of bend and shear springs, and broad phases
   spring_batches *= pulls; springs_held *= pulls
   triangles = $45; sheet_inner = $46; folds = $47; cloths = $48; kind_changes = $49; limited = $50; constraints = $51
   most["predictions"] = $25; most["projections"] = $26; most["springs"] = $27; most["contacts"] = $28
@@ -146,7 +150,8 @@ $1 == "limits" {
   test_part[scene] = test_bound
   for (k = 1; k <= stage_count; k++) bound[scene] += bound[scene, name[k]]
   steps_of[scene] = substeps
-  # an elastic step goes on behind its contacts: the count of these has that, too
+  # an elastic step goes on behind these: their counts have that, too
   if (stretches != 0) bound[scene, "yarn_slip_apply"] += bound[scene, "yarn_stretch_run"]
+  if (stretches != 0) bound[scene, "bodies_update_velocity"] += bound[scene, "yarn_stretch_run"]
 }
 

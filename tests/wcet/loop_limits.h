@@ -55,8 +55,9 @@ static inline void loop_limits_print(const char *name, const fray_world *w) {
                             (uint32_t)(batches - p->link_batches), sorts[0], sorts[1],
                             sorts[2], (uint32_t)p->tears_max, w->capacity[POOL_CONTACTS],
                             p->drag != 0, p->relative_damping != 0, w->capacity[POOL_KEYS],
-                            loop_limits_held_springs(w, 0, p->link_batches) *
-                                (uint32_t)(p->iterations * p->substeps),
+                            world_has_elastic_yarns(w) ? 0
+                                                       : loop_limits_held_springs(w, 0, p->link_batches) *
+                                                             (uint32_t)(p->iterations * p->substeps),
                             loop_limits_strong_springs(w), sizeof(fray_output) + sizeof(fray_work),
                             sizeof(body_motion),
                             most.particle_steps, most.projections, most.springs, most.contacts,

@@ -47,19 +47,34 @@ static inline double body_depth_at(const fray_body *b, const double at[3]) {
   return b->radius - sqrt(along * along + own[1] * own[1] + own[2] * own[2]);
 }
 
-/* The deepest of those that were outside of the body once, or 0. */
+static inline int body_depth_knows(const fray_body *b) {
+  return b->shape != FRAY_ANCHOR && b->shape != FRAY_MESH;
+}
+
+/* Another body is no farther than this: bodies do not stop each other, so what is between two is in one. */
+static inline int body_depth_is_squeezed(const fray_world *w, uint32_t bodies, uint32_t body, const double at[3],
+                                         double near) {
+  for (uint32_t n = 0; n < bodies; ++n) {
+    const fray_body b = fray_view_body(w, n);
+    if (n != body && body_depth_knows(&b) && body_depth_at(&b, at) > -near) return 1;
+  }
+  return 0;
+}
+
+/* The deepest of those that were outside of the body once and are not squeezed, or 0. */
 static inline double body_depth_update(body_depth *d, const fray_world *w) {
   const fray_particles v = fray_view_particles(w);
+  const double near = 2.0 * fray_get_info(w).thickness;
   double deepest = 0;
   for (uint32_t n = 0; n < d->bodies; ++n) {
     const fray_body b = fray_view_body(w, n);
-    if (b.shape == FRAY_ANCHOR || b.shape == FRAY_MESH) continue;
+    if (!body_depth_knows(&b)) continue;
     uint8_t *outside = d->outside + (size_t)n * d->particles;
     for (uint32_t p = v.attached; p < v.count; ++p) {
       const double at[3] = {v.x[p], v.y[p], v.z[p]};
       const double depth = body_depth_at(&b, at);
       if (depth <= 0) outside[p] = 1;
-      if (outside[p] && depth > deepest) deepest = depth;
+      if (outside[p] && depth > deepest && !body_depth_is_squeezed(w, d->bodies, n, at, near)) deepest = depth;
     }
   }
   return deepest;

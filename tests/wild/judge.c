@@ -36,13 +36,13 @@ typedef struct {
   body_depth *depth;
   double turned, begun;       /* energy turned over, and what of it was there, J */
   double rounding;            /* what rounding may have made, J */
-  double held;                /* by projected links when it began, J */
+  double held;                /* by projected links when it began, and since then for springs, J */
   double fastest_body, reach; /* m/s; how far a particle came, m */
   double loaded;              /* what loads gave the vertex that they move most, m/s */
   double cloth_speed;         /* of waves at the strain of a tear, m/s */
   double mass;                /* of the free cloth, kg */
-  double steps_made;          /* by elastic steps so far, J; and what of it no law of strain has */
-  double excused;
+  double net[FRAY_ENERGY_STAGES];     /* by a stage so far, J */
+  double excused[FRAY_ENERGY_STAGES]; /* what of it a fault says */
 } judged;
 
 static void find(judge_result *r, uint32_t kind, uint32_t tick, double size, double allowed) {
@@ -51,6 +51,10 @@ static void find(judge_result *r, uint32_t kind, uint32_t tick, double size, dou
   if (size <= r->size[kind]) return;
   r->size[kind] = size;
   r->allowed[kind] = allowed;
+}
+
+static double length_of(const int32_t v[3]) {
+  return sqrt((double)v[0] * v[0] + (double)v[1] * v[1] + (double)v[2] * v[2]);
 }
 
 static double particle_mass(const judged *j, uint32_t p) {
@@ -85,15 +89,13 @@ static double wave_speed(const judged *j) {
   return 0.25 * sqrt(most / density);
 }
 
-static int are_projected(const fray_world *w) { return !world_has_membrane(w) && !world_has_elastic_yarns(w); }
-
 /* A link that is longer or shorter by e moves its ends by e / 2 in a substep h, or by its part of that, so to a speed
  * of e / 2h. Four links meet in a crossing of mass m, so together they give m e^2 / h^2 each at most. */
 static double held_by_links(const fixture *f) {
   const fray_world *w = f->w;
   const double unit = 0x1p-24 * f->facts.lu_um * 1e-6 * f->facts.rate_hz * f->facts.substeps;
   double sum = 0;
-  for (uint32_t n = 0; are_projected(w) && n < (uint32_t)w->params->links; ++n) {
+  for (uint32_t n = 0; world_is_projected(w) && n < (uint32_t)w->params->links; ++n) {
     if (w->woven.spring_kind[n] == SPRING_DEAD) continue;
     const link_class *c = &w->woven.link_classes[w->woven.spring_kind[n] & SPRING_CLASS];
     const vec3 d = vec_sub(world_position(w, w->woven.spring_j[n]), world_position(w, w->woven.spring_i[n]));
@@ -101,6 +103,18 @@ static double held_by_links(const fixture *f) {
     sum += pow(unit * e * (e < 0 ? c->push / 4096.0 : 1), 2);
   }
   return sum * f->facts.particle_mass_ng * 1e-12;
+}
+
+/* What links give back in a tick, J (README.md, "Made"): k (g h^2)^2 n^3 / 12 of a spring, k = m gain / (n h^2). */
+static double given_for_springs(const fixture *f) {
+  const fray_world *w = f->w;
+  const double fall = length_of(f->facts.gravity) * energy_table_speed(&f->facts) * f->facts.substeps;
+  double gains = 0;
+  for (uint32_t n = (uint32_t)w->params->links; world_is_projected(w) && n < w->capacity[POOL_SPRINGS]; ++n) {
+    const bend_shear_class *c = &w->woven.bend_shear_classes[w->woven.spring_kind[n] & SPRING_CLASS];
+    if (w->woven.spring_kind[n] != SPRING_DEAD) gains += ldexp(c->mantissa, -c->shift);
+  }
+  return gains * fall * fall / 12 * f->facts.particle_mass_ng * 1e-12;
 }
 
 static int open_all(judged *j, const char *text, judge_result *r) {
@@ -213,21 +227,26 @@ static double sum_of(const fray_energy_account *a, uint32_t n) {
 
 /* What a stage made less what it lost. A projected link stores nothing, and draws at rest; what holds its
  * ends takes that back. So where links are projected, they and pushes of bodies are judged by what all that
- * moves positions in a substep has made (README.md, "Made"). */
+ * moves positions in a substep has made, and elastic steps with their damping (README.md, "Made"). */
 static double net_of(const judged *j, const fray_energy_account *a, uint32_t n) {
   const double net = sum_of(a, n);
-  if (!are_projected(j->watched.w) || (n != FRAY_ENERGY_LIMITS && n != FRAY_ENERGY_CONTACT)) return net;
+  if (n == FRAY_ENERGY_STEPS && !world_is_projected(j->watched.w))
+    return net + fmin(sum_of(a, FRAY_ENERGY_DAMPING), 0);
+  if (!world_is_projected(j->watched.w) || (n != FRAY_ENERGY_LIMITS && n != FRAY_ENERGY_CONTACT)) return net;
   return sum_of(a, FRAY_ENERGY_LIMITS) + sum_of(a, FRAY_ENERGY_CONTACT) +
          fmin(sum_of(a, FRAY_ENERGY_SLIP), 0) + fmin(sum_of(a, FRAY_ENERGY_SELF_COLLISION), 0);
 }
 
-/* A strain beyond the largest has a force and no energy: what elastic steps make in such a tick says nothing.
- * Every other stage, and every other tick, is judged as ever. */
+/* A strain beyond the largest has a force and no energy, a force that is held has less than it, and a body that is driven through what another holds
+ * leaves it behind: what steps, or contact, make in such a tick says nothing. Every other stage, and every
+ * other tick, is judged as ever. */
 static double excused_net(judged *j, uint32_t n, double net, uint32_t faults) {
-  if (n != FRAY_ENERGY_STEPS) return net;
-  if ((faults & FRAY_FAULT_OVERSTRETCHED) != 0) j->excused += fmax(0, net - j->steps_made);
-  j->steps_made = net;
-  return net - j->excused;
+  const uint32_t excuse = n == FRAY_ENERGY_STEPS     ? FRAY_FAULT_OVERSTRETCHED
+                          : n == FRAY_ENERGY_CONTACT ? FRAY_FAULT_CONTACT_UNRESOLVED
+                                                     : 0u;
+  if ((faults & excuse) != 0) j->excused[n] += fmax(0, net - j->net[n]);
+  j->net[n] = net;
+  return net - j->excused[n];
 }
 
 /* Of yarns, in a substep. */
@@ -238,7 +257,7 @@ static double elastic_steps(const fray_world *w) {
 /* By how many position steps a stage rounds a particle in a substep, at most: four links project it in each
  * iteration, to half a step each. */
 static double rounded_steps(const fray_world *w) {
-  return are_projected(w) ? 2.0 * w->params->iterations : 1;
+  return world_is_projected(w) ? 2.0 * w->params->iterations : 1;
 }
 
 static void judge_energy(judged *j, uint32_t tick, uint32_t faults, judge_result *r) {
@@ -263,6 +282,7 @@ static void judge_energy(judged *j, uint32_t tick, uint32_t faults, judge_result
   if (tick == 0) j->begun = (elastic + fabs((double)a.stored[FRAY_STORED_BODIES])) * unit;
   const double moving = (double)a.stored[FRAY_STORED_KINETIC] * unit;
   j->turned = fmax(j->turned, j->begun + (supplied + fabs((double)a.gravity)) * unit);
+  j->held += given_for_springs(&j->watched);
   const double speed_step = 0x1p-24 * f->lu_um * 1e-6 * f->rate_hz * f->substeps;
   const double moves = elastic_steps(j->watched.w);
   const double rounds = rounded_steps(j->watched.w);
@@ -274,10 +294,6 @@ static void judge_energy(judged *j, uint32_t tick, uint32_t faults, judge_result
     const double allowed = 0.01 * j->turned + j->rounding + held;
     if (net > allowed) find(r, JUDGE_MADE + n, tick, net, allowed);
   }
-}
-
-static double length_of(const int32_t v[3]) {
-  return sqrt((double)v[0] * v[0] + (double)v[1] * v[1] + (double)v[2] * v[2]);
 }
 
 /* Behind a tick: by loads on a vertex as heavy as it is now. */
@@ -294,7 +310,8 @@ static double load_speed(const judged *j) {
   return most * units * w->membrane.constants->steps * w->params->substeps;
 }
 
-static double allowed_speed(judged *j, uint32_t tick) {
+/* A membrane that was drawn to three times its length held a strain of 2 in place of a quarter. */
+static double allowed_speed(judged *j, uint32_t tick, uint32_t faults) {
   const fray_info *f = &j->watched.facts;
   const fray_world *w = j->watched.w;
   const double speed = energy_table_speed(f);
@@ -306,7 +323,9 @@ static double allowed_speed(judged *j, uint32_t tick) {
   const double fall = fmin(g * (tick + 1.0) / f->rate_hz, sqrt(2 * g * 2 * j->reach));
   const double wind = world_has_membrane(w) ? length_of(w->membrane.constants->wind) * speed : 0;
   j->loaded += load_speed(j);
-  return 2 * (j->fastest_body + wind + fall + j->loaded + j->cloth_speed);
+  const int is_drawn = world_has_membrane(w) && (faults & FRAY_FAULT_OVERSTRETCHED) != 0;
+  const double cloth = j->cloth_speed * (is_drawn ? 2 / 0.25 : 1);
+  return 2 * (j->fastest_body + wind + fall + j->loaded + cloth);
 }
 
 static void judge_speed(judged *j, uint32_t tick, uint32_t faults, judge_result *r) {
@@ -323,7 +342,7 @@ static void judge_speed(judged *j, uint32_t tick, uint32_t faults, judge_result 
     for (uint32_t n = 0; n < 3; ++n)
       clamped |= velocity[n] >= FX_SPEED_MAX || velocity[n] <= -FX_SPEED_MAX;
   }
-  const double allowed = allowed_speed(j, tick);
+  const double allowed = allowed_speed(j, tick, r->faults);
   if (fastest * speed > allowed) find(r, JUDGE_SPEED, tick, fastest * speed, allowed);
   if (clamped && (faults & (FRAY_FAULT_OUT_OF_WORLD | FRAY_FAULT_SPEED_LIMIT)) == 0)
     find(r, JUDGE_CLAMP, tick, fastest * speed, 0);
@@ -350,7 +369,7 @@ static void judge_hashes(const fray_output *a, const fray_output *b, const fray_
 
 /* Faults are sticky; of these each tick says its own. */
 static void forget_faults(judged *j) {
-  const int32_t keep = ~(int32_t)(FRAY_FAULT_OVERSTRETCHED | FRAY_FAULT_SPEED_LIMIT);
+  const int32_t keep = ~(int32_t)(FRAY_FAULT_OVERSTRETCHED | FRAY_FAULT_SPEED_LIMIT | FRAY_FAULT_CONTACT_UNRESOLVED);
   j->watched.w->state->faults &= keep;
   j->scalar.w->state->faults &= keep;
   j->divided.w->state->faults &= keep;
@@ -379,7 +398,7 @@ void judge_scene(const char *text, const judge_run *run, judge_result *r) {
     judge_hashes(&a, &b, &c, tick, r);
     judge_energy(&j, tick, a.faults, r);
     judge_speed(&j, tick, a.faults, r);
-    judge_depth(&j, tick, a.faults, r);
+    judge_depth(&j, tick, r->faults, r);
     if (tick % REOPENED_EVERY == REOPENED_EVERY - 1u) {
       if (!reopen(&j.divided)) {
         find(r, JUDGE_OPENS, tick, 1, 0);

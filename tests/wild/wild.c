@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* wild SEED COUNT [SECONDS] [short]: random scenes, judged (README.md). Findings by kind, each with
+/* wild SEED COUNT [SECONDS [FIRST]] [short]: random scenes, judged (README.md). Findings by kind, each with
  * the first scene that has it, shrunk, in out/wild; scenes a minute. `short` judges only what holds
  * today. Exit 1: something was found. */
 #define _POSIX_C_SOURCE 200809L
@@ -107,20 +107,32 @@ static double minutes_now(void) {
   return (double)t.tv_sec / 60 + (double)t.tv_nsec / 60e9;
 }
 
+/* The n-th argument, otherwise the default. */
+static double number_at(int argc, char **argv, int n, const char *name, double otherwise) {
+  if (n >= argc) return otherwise;
+  char *end;
+  const double value = strtod(argv[n], &end);
+  if (end != argv[n] && *end == 0 && value >= 0 && value <= 0x1p53) return value;
+  fprintf(stderr, "wild: %s \"%s\", expected a number from 0 on\n", name, argv[n]);
+  exit(2);
+}
+
 int main(int argc, char **argv) {
   static wild k;
+  const int is_short = strcmp(argv[argc - 1], "short") == 0;
+  argc -= is_short;
   if (argc < 3) {
-    fprintf(stderr, "usage: wild SEED COUNT [SECONDS] [short]\n");
+    fprintf(stderr, "usage: wild SEED COUNT [SECONDS [FIRST]] [short]\n");
     return 2;
   }
-  k.seed = strtoull(argv[1], NULL, 10);
-  k.count = (uint32_t)strtoul(argv[2], NULL, 10);
-  k.seconds = argc > 3 ? strtod(argv[3], NULL) : 2;
-  k.kinds = argc > 4 && strcmp(argv[4], "short") == 0 ? (1u << JUDGE_MOTION) - 1u
-                                                      : (1u << JUDGE_KINDS) - 1u;
+  k.seed = (uint64_t)number_at(argc, argv, 1, "SEED", 0);
+  k.count = (uint32_t)number_at(argc, argv, 2, "COUNT", 0);
+  k.seconds = number_at(argc, argv, 3, "SECONDS", 2);
+  const uint64_t first = (uint64_t)number_at(argc, argv, 4, "FIRST", 0);
+  k.kinds = is_short ? (1u << JUDGE_MOTION) - 1u : (1u << JUDGE_KINDS) - 1u;
   mkdir("out", 0777);
   mkdir("out/wild", 0777);
   const double begin = minutes_now();
-  for (uint64_t n = 0; n < k.count; ++n) run_one(&k, n);
+  for (uint64_t n = 0; n < k.count; ++n) run_one(&k, first + n);
   return report(&k, minutes_now() - begin);
 }

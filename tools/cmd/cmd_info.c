@@ -52,10 +52,8 @@ static void print_woven(const fray_world *w, const fray_info *f) {
   else
     printf("tearing    off\n");
   if (f->yarn_stiffness_un != 0)
-    printf("stretch    EA of a yarn %.6g N, damping time %.6g us, %u elastic steps a substep;\n"
-           "           projection beyond %.2f %% strain\n",
-           f->yarn_stiffness_un * 1e-6, f->yarn_damping_ns * 1e-3, f->yarn_steps,
-           f->yarn_max_strain_q16 / 655.36);
+    printf("stretch    EA of a yarn %.6g N, damping time %.6g us, %u elastic steps a substep\n",
+           f->yarn_stiffness_un * 1e-6, f->yarn_damping_ns * 1e-3, f->yarn_steps);
   if (f->splits_max != 0)
     printf("yarns      %s; split at %.2f to %.2f %% strain, at most %u a tick; disconnected at %.4f cm\n",
            f->all_yarn != 0 ? "everywhere" : "where it tears", f->split_min_q16 / 655.36,

@@ -223,8 +223,7 @@ static int fill(draft *d, void **memory, fray_world **world) {
     return 0;
   if (world_has_elastic_yarns(w) &&
       !draft_yarn_elastic(d, w->woven.link_classes, WRITABLE(yarn_elastic_params, w->woven.elastic_params),
-                          WRITABLE(yarn_gain, w->woven.yarn_gains), WRITABLE(link_class, w->woven.max_links),
-                          capacity[POOL_YARN_GAINS]))
+                          WRITABLE(yarn_gain, w->woven.yarn_gains), capacity[POOL_YARN_GAINS]))
     return 0;
   if (world_has_yarn_collision(w) && !draft_yarn_collision(d, WRITABLE(self_params, w->self.constants)))
     return 0;

@@ -97,7 +97,7 @@ int draft_handles(const draft *d, fray_world *w);
 /* Rows of a rotation, Q30. */
 int draft_turn(const draft *d, uint32_t block, const char *key, const scene_rotation *by, int32_t axes[9]);
 int draft_yarn_elastic(const draft *d, const link_class *links, yarn_elastic_params *p, yarn_gain *pulls,
-                  link_class *limits, uint32_t classes);
+                       uint32_t classes);
 
 /* log2 of the elastic steps that the yarns need in each of `substeps`; -1: too many. And the fewest substeps
  * that are enough; above MAX_SUBSTEPS: none. */

@@ -180,12 +180,15 @@ static int refuse_stiffness(const draft *d) {
 
 enum { STEPS_BITS = 30, SCALE_MIN = 64 /* Q30: rounded by less than 1 % */ };
 
+static uint32_t elastic_steps_max(const draft *d) {
+  const uint32_t max = d->scene->membrane.elastic_steps_max;
+  return max > d->substeps ? max / d->substeps : 1;
+}
+
 /* And the square of the steps that the stress wants in a tick, STEPS_BITS, once the stiffness is scaled. */
 static int find_steps(draft *d, int64_t edge, int64_t *wanted) {
   const scene *s = d->scene;
-  const uint32_t max =
-      s->membrane.elastic_steps_max > d->substeps ? s->membrane.elastic_steps_max : d->substeps;
-  const int64_t steps_max = max / d->substeps * d->substeps;
+  const int64_t steps_max = (int64_t)elastic_steps_max(d) * d->substeps;
   const exact bound = exact_make(steps_max * steps_max, 1);
   exact stiffest;
   int64_t fixed;
@@ -199,7 +202,7 @@ static int find_steps(draft *d, int64_t edge, int64_t *wanted) {
       return draft_expected(d, BLOCK_CLOTH, "elastic_steps_max",
                             "more for so stiff a material, or a softer one");
     d->stiffness = exact_make(fixed, 1 << 30);
-    d->elastic_steps = max / d->substeps;
+    d->elastic_steps = elastic_steps_max(d);
     *wanted = steps_max * steps_max * ((int64_t)1 << STEPS_BITS);
     return 1;
   }
@@ -361,11 +364,24 @@ static int find_plate(const draft *d, plate *p) {
 
 enum { BEND_EVERY_MAX = 8 };
 
+/* As many elastic steps as there may be, until bending bears one: *steps is the square of those in the longest
+ * that it bears, Q16, below 1. */
+static void take_more_steps(draft *d, int64_t *steps) {
+  const uint64_t root = exact_sqrt((uint64_t)fx_clamp64(*steps, 1, 65536)); /* Q8 */
+  const uint64_t before = d->elastic_steps;
+  const uint64_t wanted = ((before << 8) + root - 1) / root;
+  const uint64_t max = elastic_steps_max(d);
+  const uint64_t taken = wanted < max ? wanted : max;
+  if (taken <= before) return;
+  d->elastic_steps = (uint32_t)taken;
+  *steps = fx_clamp64(*steps * (int64_t)(taken * taken) / (int64_t)(before * before), 0, 65536);
+}
+
 /* Bending acts once in as many elastic steps as stay stable: a plate of stiffness D vibrates on such a mesh
  * at up to root(150 D / rho) / edge^2, and a step may be 2 / 1.5 over that; but in no more than
  * BEND_EVERY_MAX, as impulses that come with half a period of stretch, or a multiple of it, feed that. The
- * number of elastic steps is rounded up to equal intervals. Where a single step is too long, bending acts in
- * each with *share of D, Q16. */
+ * number of elastic steps is rounded up to equal intervals. Where a single step is too long, there are more, and
+ * where `elastic_steps_max` does not allow enough, bending acts in each with *share of D, Q16. */
 static int find_bending(draft *d, int64_t edge, const plate *p, membrane_params *c, int64_t *share) {
   const scene *s = d->scene;
   const material_spec *cloth = &s->membrane.cloth;
@@ -388,6 +404,7 @@ static int find_bending(draft *d, int64_t edge, const plate *p, membrane_params 
   const exact wanted =
       exact_mul(exact_mul(exact_make(light, 16), exact_make(118, 10000)), exact_mul(once, once));
   if (!exact_to_fixed(wanted, 16, &steps)) steps = (int64_t)1 << 40;
+  if (steps < 65536) take_more_steps(d, &steps);
   const int64_t every = (int64_t)exact_sqrt((uint64_t)(steps < 0 ? 0 : steps)) >> 8;
   const uint32_t longest = (uint32_t)fx_clamp64(every, 1, BEND_EVERY_MAX);
   const uint32_t intervals = (d->elastic_steps + longest - 1) / longest;

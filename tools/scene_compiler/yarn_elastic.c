@@ -103,7 +103,7 @@ static void gain(rough value, int32_t *mantissa, int32_t *scale) {
 }
 
 static int make_class(const draft *d, const yarn_elastic_params *p, const link_class *link,
-                      yarn_gain *pull, link_class *limit) {
+                      yarn_gain *pull) {
   const scene *s = d->scene;
   const rough length = rough_div(rough_ratio(link->rest, FX_LU), rough_of(d->lu_per_cm));
   const rough h = rough_ratio(1, (int64_t)s->rate_hz * d->substeps);
@@ -125,8 +125,6 @@ static int make_class(const draft *d, const yarn_elastic_params *p, const link_c
   if (damping > YARN_ELASTIC_DAMPING_MAX)
     return draft_expected(d, BLOCK_CLOTH, "stretch_damping", "a shorter time");
   pull->damping = (int32_t)damping;
-  *limit =
-      link_class_make(link->rest + (int32_t)fx_round64(fx_mul_wide(link->rest, p->max_strain), 16), 0);
   return 1;
 }
 
@@ -148,8 +146,6 @@ static int stretch_words(const draft *d, yarn_elastic_params *p) {
   const scene *s = d->scene;
   char most[SOURCE_VALUE];
   int64_t word;
-  const exact over = exact_add(exact_mul(s->woven.tear_max, exact_make(5, 4)), exact_make(1, 100));
-  const exact limit = s->woven.tearing != 0 ? over : exact_make(1, 5);
   p->steps_bits = yarn_elastic_steps_bits(s, d->substeps);
   if (p->steps_bits < 0)
     return refuse_stiffness(d);
@@ -160,10 +156,9 @@ static int stretch_words(const draft *d, yarn_elastic_params *p) {
                           "more than 0 where pressed yarns ('structural') are softer than stretched ones: "
                           "steps over "
                           "that bend of the force make waves grow");
-  if (!exact_to_fixed(limit, 16, &word) || word >= 1 << 14)
+  if (s->woven.tearing != 0 && exact_compare(s->woven.tear_max, exact_make(1, 4)) > 0)
     return draft_expected(d, BLOCK_CLOTH, "tear", "at most %s for yarns with 'stretch'",
-                          draft_value(d, BLOCK_CLOTH, "tear", UNIT_SHARE, exact_make(19, 100), -1, most));
-  p->max_strain = (int32_t)word;
+                          draft_value(d, BLOCK_CLOTH, "tear", UNIT_SHARE, exact_make(1, 4), -1, most));
   if (!exact_to_fixed(exact_mul(s->woven.stretch, exact_make(1000000, 1)), 0, &word) || word < 1 ||
       word > INT32_MAX)
     return draft_expected(d, BLOCK_CLOTH, "stretch", "a number of fewer digits");
@@ -199,9 +194,9 @@ static int bodies_are_stable(const draft *d) {
 }
 
 int draft_yarn_elastic(const draft *d, const link_class *links, yarn_elastic_params *p, yarn_gain *pulls,
-                  link_class *limits, uint32_t classes) {
+                       uint32_t classes) {
   if (!stretch_words(d, p) || !bodies_are_stable(d)) return 0;
   for (uint32_t n = 1; n < classes; ++n)
-    if (!make_class(d, p, &links[n], &pulls[n], &limits[n])) return 0;
+    if (!make_class(d, p, &links[n], &pulls[n])) return 0;
   return 1;
 }
