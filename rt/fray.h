@@ -160,7 +160,7 @@ typedef enum { FRAY_RESULT_OK = 0, FRAY_RESULT_REFUSED = 1, FRAY_RESULT_UNKNOWN 
 /* Counted work of one tick. */
 typedef struct {
   uint32_t particle_steps;    /* particles x substeps; of a membrane x elastic steps */
-  uint32_t projections;       /* structural springs, and locked diagonals, x iterations x substeps */
+  uint32_t projections;       /* projected springs, and locked diagonals, x iterations x substeps */
   uint32_t springs;           /* bend and shear springs */
   uint32_t contacts;          /* candidate contacts x substeps */
   uint32_t tear_tests;        /* structural springs, or triangles */

@@ -2,9 +2,10 @@
 /* Particles of woven cloth against spheres, capsules, boxes and planes (Metaaphanon 2009, section 4.2, first
  * half).
  *
- *   contact_gather()            once a tick: the particles that may reach a body before the tick ends, by
- *                               boxes widened by the travel of both. When the pool is full, the rest is
- *                               skipped in the order of bodies and particles, and reported.
+ *   contact_gather()            once a tick, of elastic yarns once a substep: the particles that may reach a
+ *                               body before it ends, by boxes widened by the travel of both. When the pool
+ *                               is full, the rest is skipped in the order of bodies and particles, and
+ *                               reported.
  *   contact_primitives_solve()  each substep: a particle closer to a body than the cloth's thickness is
  *                               pushed out along the body's normal, and Coulomb friction holds it back
  *                               along the surface, as a displacement. */

@@ -25,8 +25,7 @@ static void book_body(fray_world *w, uint32_t b, wide_number work) {
   energy_ledger *l = &w->energy;
   const fray_energy_supply row =
       w->rigid.bodies[b].motion == FRAY_HAND ? FRAY_SUPPLIED_HANDS : FRAY_SUPPLIED_BODIES;
-  l->supplied[row] = wide_add(l->supplied[row], work);
-  l->booked = wide_add(l->booked, work);
+  energy_ledger_book(l, &l->supplied[row], work);
 }
 
 /* Impulses on the cloth since the last stage, times the velocities of their bodies. */
@@ -100,24 +99,33 @@ static void measure_all(fray_world *w) {
   energy_measure_motion(w, &w->energy.last);
 }
 
+/* Sets it to the ledger's, and the ledger's to it. */
+static void swap_velocity(fray_world *w, uint32_t b) {
+  const vec3 now = vec_of(w->rigid.states[b].velocity);
+  vec_store(w->rigid.states[b].velocity, vec_of(w->energy.velocity[b]));
+  vec_store(w->energy.velocity[b], now);
+}
+
+static int has_new_velocity(const fray_world *w, uint32_t b) {
+  return body_is_driven(&w->rigid.bodies[b]) &&
+         !vec_is_equal(vec_of(w->rigid.states[b].velocity), vec_of(w->energy.velocity[b]));
+}
+
 /* Springs that have acted hold bodies where these would be by their velocities: what a new velocity of a
  * driven body changes, with those of the others as they are, is its work. */
 static void book_leads(fray_world *w) {
   energy_ledger *l = &w->energy;
-  for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b) {
-    int32_t *velocity = w->rigid.states[b].velocity;
-    const vec3 changed = vec_of(velocity);
-    if (!body_is_driven(&w->rigid.bodies[b])) continue;
-    vec_store(velocity, vec_of(l->velocity[b]));
-    vec_store(l->velocity[b], changed);
-  }
+  uint32_t changed = 0; /* a bit each */
+  for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b) changed |= (uint32_t)has_new_velocity(w, b) << b;
+  if (changed == 0) return;
+  for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
+    if ((changed >> b & 1u) != 0) swap_velocity(w, b);
   measure_all(w);
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b) {
-    int32_t *velocity = w->rigid.states[b].velocity;
-    const vec3 changed = vec_of(l->velocity[b]);
-    if (!body_is_driven(&w->rigid.bodies[b]) || vec_is_equal(changed, vec_of(velocity))) continue;
+    if ((changed >> b & 1u) == 0) continue;
     const wide_number before = total_of(w, &l->last);
-    vec_store(velocity, changed);
+    swap_velocity(w, b);
+    vec_store(l->velocity[b], vec_of(w->rigid.states[b].velocity));
     measure_all(w);
     book_body(w, b, wide_sub(total_of(w, &l->last), before));
   }

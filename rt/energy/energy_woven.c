@@ -8,7 +8,8 @@
  * Bend and shear springs give the impulse k (1 - r/l) d of S substeps at once: their energy is that over S,
  * and their part of form v.J / 2, as before they act, at the places where v leads until they act again. So
  * nothing changes when they act, nor while v stays, and what a stage changes in v is that stage's. That of
- * yarns is v.J / 2 of an elastic step. */
+ * yarns is v.J / 2 of an elastic step. J of a yarn is held along each axis (woven/yarn_stretch.c), and what
+ * it lacks is not stored. */
 #include "rt/energy/energy_measure.h"
 #include "rt/state/crossing.h"
 #include "rt/state/yarn_touch.h"
@@ -23,6 +24,7 @@ typedef struct {
   unsigned shift;
   int32_t rest, least, most;
   int32_t series[SERIES];
+  int is_held; /* its impulse, at YARN_ELASTIC_IMPULSE_MAX along an axis */
 } spring_law;
 
 /* Of springs so far: energy, and velocity times impulse. */
@@ -113,25 +115,40 @@ static vec64 velocity_of(const fray_world *w, uint32_t p) {
   return wider;
 }
 
+/* Holds the impulse J = k f d along an axis at M; returns the energy that it lacks, (J - M)^2 / (2 k f). */
+static wide_number hold(wide_number *impulse, int32_t d) {
+  enum { BITS = 40, MOST_SHIFT = BITS - FX_VELOCITY_BITS, SHARE_BITS = 30 };
+  const int64_t most = (int64_t)YARN_ELASTIC_IMPULSE_MAX << MOST_SHIFT;
+  const int64_t given = wide_rounded(*impulse, BITS);
+  const int64_t size = given < 0 ? -given : given;
+  const wide_number nothing = {0, 0};
+  if (size <= most) return nothing;
+  *impulse = wide_of(given < 0 ? -most : most, BITS);
+  const int64_t excess = size - most;
+  const int64_t share = (excess << (SHARE_BITS - 16)) / (size >> 16);
+  const int64_t length = d < 0 ? -(int64_t)d : d;
+  return wide_times(wide_product(excess, length, BITS + FX_POSITION_BITS), share, SHARE_BITS + 1);
+}
+
 /* End i of d gets the impulse k (1 - r/l) d, end j the opposite. */
 static void add_spring(const fray_world *w, const spring_law *law, uint32_t i, uint32_t j, vec3 d,
                        spring_sums *sums, energy_stored *e) {
   const spring_state s = state_of(law, vec_squared(d));
   const vec64 a = velocity_of(w, i);
   const vec64 b = velocity_of(w, j);
-  const int64_t apart = d.x * (a.x - b.x) + d.y * (a.y - b.y) + d.z * (a.z - b.z); /* below 2^62 */
-  const wide_number power =
-      wide_product(apart, s.factor, FX_POSITION_BITS + FX_VELOCITY_BITS + FACTOR_BITS);
+  const int64_t apart[3] = {a.x - b.x, a.y - b.y, a.z - b.z};
+  const int32_t along[3] = {d.x, d.y, d.z};
+  const int holds = particle_is_attached(w, i) || particle_is_attached(w, j);
   const wide_number stored = wide_times(s.stored, (int64_t)fx_square(law->rest), 2u * FX_POSITION_BITS + 1u);
   sums->energy = wide_add(sums->energy, wide_times(stored, law->mantissa, law->shift));
-  sums->power = wide_add(sums->power, wide_times(power, law->mantissa, law->shift));
-  if (!particle_is_attached(w, i) && !particle_is_attached(w, j)) return;
-  const int32_t along[3] = {d.x, d.y, d.z};
-  wide_number *pull = e->pull[w->p.attach_body[particle_is_attached(w, i) ? i : j]];
   for (uint32_t n = 0; n < 3; ++n) {
-    const int64_t part = particle_is_attached(w, i) ? along[n] : -(int64_t)along[n];
-    const wide_number force = wide_product(part, s.factor, FX_POSITION_BITS + FACTOR_BITS);
-    pull[n] = wide_add(pull[n], wide_times(force, law->mantissa, law->shift));
+    const wide_number force = wide_product(along[n], s.factor, FX_POSITION_BITS + FACTOR_BITS);
+    wide_number impulse = wide_times(force, law->mantissa, law->shift);
+    if (law->is_held) sums->energy = wide_sub(sums->energy, hold(&impulse, along[n]));
+    sums->power = wide_add(sums->power, wide_times(impulse, apart[n], FX_VELOCITY_BITS));
+    if (!holds) continue;
+    wide_number *pull = &e->pull[w->p.attach_body[particle_is_attached(w, i) ? i : j]][n];
+    *pull = particle_is_attached(w, i) ? wide_add(*pull, impulse) : wide_sub(*pull, impulse);
   }
 }
 
@@ -154,7 +171,8 @@ static void add_bend_shear(const fray_world *w, uint32_t first, uint32_t end, sp
     const uint32_t j = w->woven.spring_j[n];
     const spring_law law = {c->mantissa, (unsigned)c->shift, c->rest, LEAST, MOST,
                             {BEND_SHEAR_SERIES_1 * UP, BEND_SHEAR_SERIES_2 * UP, BEND_SHEAR_SERIES_3 * UP,
-                             BEND_SHEAR_SERIES_4 * UP, 0}};
+                             BEND_SHEAR_SERIES_4 * UP, 0},
+                            0};
     const vec3 d = apart_ahead(w, i, j, ahead);
     if (c->compression_only == 0 || vec_squared(d) < fx_square(c->rest))
       add_spring(w, &law, i, j, d, sums, e);
@@ -196,7 +214,8 @@ static void measure_yarns(const fray_world *w, energy_stored *e) {
     const spring_law law = {(int64_t)(longer ? k->pull : k->push) * c->r2,
                             (unsigned)(longer ? k->pull_scale : k->push_scale) + 28u, c->rest, LEAST, MOST,
                             {STRETCH_PHI_0 * 4, STRETCH_PHI_1 * 4, STRETCH_PHI_2 * 4, STRETCH_PHI_3 * 4,
-                             STRETCH_PHI_4 * 4}};
+                             STRETCH_PHI_4 * 4},
+                            1};
     add_spring(w, &law, i, j, d, &sums, &held);
   }
   e->yarns = wide_shift_up(sums.energy, steps_bits);

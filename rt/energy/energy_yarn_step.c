@@ -8,29 +8,24 @@
 
 #if FRAY_ENERGY
 
-enum { FINE_BITS = FX_VELOCITY_BITS + 16 };
-
-static void mark_body(fray_world *w, uint32_t b, metered_yarn_body *m) {
-  const body_state *s = &w->rigid.states[b];
+static metered_yarn_body body_now(const fray_world *w, uint32_t b) {
+  metered_yarn_body m;
   for (uint32_t n = 0; n < 3; ++n) {
-    m->impulse[n] = w->rigid.motion[b].impulse[n];
-    m->speed[n] = (int64_t)s->velocity[n] * (1 << 16) + ((uint32_t)s->fraction[n] >> 14);
+    m.impulse[n] = w->rigid.motion[b].impulse[n];
+    m.speed[n] = body_fine_speed(&w->rigid.states[b], n);
   }
+  return m;
 }
 
 void energy_add_step_mark(fray_world *w, uint32_t mark) {
-  FRAY_ASSERT(world_has_elastic_yarns(w) && mark < ENERGY_STEP_MARKS);
-  for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b) mark_body(w, b, &w->energy.step[mark][b]);
-  for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
-    metered_yarn *m = &w->woven.metered[p];
-    vec3 *const marks[ENERGY_STEP_MARKS] = {&m->begun, &m->damped, &m->forced};
-    *marks[mark] = world_velocity(w, p);
-  }
+  FRAY_ASSERT(world_has_elastic_yarns(w) && mark < YARN_STEP_MARKS);
+  for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b) w->energy.step[mark][b] = body_now(w, b);
+  for (uint32_t p = particles_attached(w); p < w->p.count; ++p)
+    w->woven.metered[p].velocity[mark] = world_velocity(w, p);
 }
 
-static void add_work(fray_world *w, fray_energy_stage stage, wide_number work) {
-  w->energy.stage[stage] = wide_add(w->energy.stage[stage], work);
-  w->energy.booked = wide_add(w->energy.booked, work);
+static void book_stage(fray_world *w, fray_energy_stage stage, wide_number work) {
+  energy_ledger_book(&w->energy, &w->energy.stage[stage], work);
 }
 
 /* Twice the mean of the velocities is `twice`. */
@@ -44,48 +39,43 @@ static wide_number work_of(int64_t mass, vec3 change, const int64_t twice[3]) {
 }
 
 static void book_particle(fray_world *w, uint32_t p, vec3 gravity) {
-  const metered_yarn *m = &w->woven.metered[p];
+  const vec3 *at = w->woven.metered[p].velocity;
   const int64_t mass = energy_mass(w, p);
   const vec3 v = world_velocity(w, p);
-  const int64_t twice[3] = {(int64_t)m->begun.x + v.x + gravity.x, (int64_t)m->begun.y + v.y + gravity.y,
-                            (int64_t)m->begun.z + v.z + gravity.z};
-  if (!vec_is_equal(m->damped, m->begun))
-    add_work(w, FRAY_ENERGY_DAMPING, work_of(mass, vec_sub(m->damped, m->begun), twice));
-  if (!vec_is_equal(v, m->forced))
-    add_work(w, FRAY_ENERGY_CONTACT, work_of(mass, vec_sub(v, m->forced), twice));
+  const vec3 begun = at[YARN_STEP_BEGUN];
+  const int64_t twice[3] = {(int64_t)begun.x + v.x + gravity.x, (int64_t)begun.y + v.y + gravity.y,
+                            (int64_t)begun.z + v.z + gravity.z};
+  if (!vec_is_equal(at[YARN_STEP_DAMPED], begun))
+    book_stage(w, FRAY_ENERGY_DAMPING, work_of(mass, vec_sub(at[YARN_STEP_DAMPED], begun), twice));
+  if (!vec_is_equal(v, at[YARN_STEP_FORCED]))
+    book_stage(w, FRAY_ENERGY_CONTACT, work_of(mass, vec_sub(v, at[YARN_STEP_FORCED]), twice));
 }
 
-/* Of a free body, from a change of its speed by twice the mean, both Q44. */
-static wide_number free_work(const fray_world *w, uint32_t b, int64_t change, int64_t twice) {
-  const int64_t mass = ((int64_t)1 << 50) / w->rigid.bodies[b].mass_ratio;
-  return wide_times(wide_product(change, twice, 2 * FINE_BITS + 1), mass, 20);
-}
-
-static void book_body_axis(fray_world *w, uint32_t b, uint32_t n, int32_t gravity) {
-  const metered_yarn_body *begun = &w->energy.step[ENERGY_STEP_BEGUN][b];
-  const metered_yarn_body *damped = &w->energy.step[ENERGY_STEP_DAMPED][b];
-  const metered_yarn_body *forced = &w->energy.step[ENERGY_STEP_FORCED][b];
-  metered_yarn_body now;
-  mark_body(w, b, &now);
-  const int64_t by_damping = damped->impulse[n] - begun->impulse[n];
-  const int64_t by_contact = now.impulse[n] - forced->impulse[n];
-  if (body_is_driven(&w->rigid.bodies[b])) {
+static void book_body_axis(fray_world *w, uint32_t b, uint32_t n, const metered_yarn_body *now,
+                           int32_t gravity) {
+  const rigid_body *k = &w->rigid.bodies[b];
+  const metered_yarn_body *begun = &w->energy.step[YARN_STEP_BEGUN][b];
+  const metered_yarn_body *forced = &w->energy.step[YARN_STEP_FORCED][b];
+  const int64_t by_damping = w->energy.step[YARN_STEP_DAMPED][b].impulse[n] - begun->impulse[n];
+  const int64_t by_contact = now->impulse[n] - forced->impulse[n];
+  if (body_is_driven(k)) {
     const int32_t v = w->rigid.states[b].velocity[n];
-    add_work(w, FRAY_ENERGY_DAMPING, wide_product(-by_damping, v, 2u * FX_VELOCITY_BITS));
-    add_work(w, FRAY_ENERGY_CONTACT, wide_product(-by_contact, v, 2u * FX_VELOCITY_BITS));
+    book_stage(w, FRAY_ENERGY_DAMPING, wide_product(-by_damping, v, 2u * FX_VELOCITY_BITS));
+    book_stage(w, FRAY_ENERGY_CONTACT, wide_product(-by_contact, v, 2u * FX_VELOCITY_BITS));
     return;
   }
-  const int64_t twice = begun->speed[n] + now.speed[n] + (int64_t)gravity * (1 << 16);
-  const int64_t damping = -fx_asr64(by_damping * w->rigid.bodies[b].mass_ratio, 14);
-  add_work(w, FRAY_ENERGY_DAMPING, free_work(w, b, damping, twice));
-  add_work(w, FRAY_ENERGY_CONTACT, free_work(w, b, now.speed[n] - forced->speed[n], twice));
+  const int64_t twice = begun->speed[n] + now->speed[n] + (int64_t)gravity * (1 << 16);
+  book_stage(w, FRAY_ENERGY_DAMPING, body_fine_work(k, -fx_asr64(by_damping * k->mass_ratio, 14), twice));
+  book_stage(w, FRAY_ENERGY_CONTACT, body_fine_work(k, now->speed[n] - forced->speed[n], twice));
 }
 
 void energy_book_step(fray_world *w, vec3 gravity) {
   const int32_t g[3] = {gravity.x, gravity.y, gravity.z};
   for (uint32_t p = particles_attached(w); p < w->p.count; ++p) book_particle(w, p, gravity);
-  for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
-    for (uint32_t n = 0; n < 3; ++n) book_body_axis(w, b, n, g[n]);
+  for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b) {
+    const metered_yarn_body now = body_now(w, b);
+    for (uint32_t n = 0; n < 3; ++n) book_body_axis(w, b, n, &now, g[n]);
+  }
 }
 
 #endif

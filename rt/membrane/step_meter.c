@@ -37,9 +37,12 @@ static wide_number times_half(int64_t by, int64_t twice, unsigned bits) {
   return wide_product(by, twice, bits + FX_VELOCITY_BITS + 1u);
 }
 
-static void add_row(fray_world *w, wide_number *row, wide_number work) {
-  *row = wide_add(*row, work);
-  w->energy.booked = wide_add(w->energy.booked, work);
+static void book_stage(fray_world *w, fray_energy_stage stage, wide_number work) {
+  energy_ledger_book(&w->energy, &w->energy.stage[stage], work);
+}
+
+static void book_load(fray_world *w, wide_number work) {
+  energy_ledger_book(&w->energy, &w->energy.supplied[FRAY_SUPPLIED_LOADS], work);
 }
 
 static int32_t axis_of(vec3 a, uint32_t n) { return n == 0 ? a.x : n == 1 ? a.y : a.z; }
@@ -64,41 +67,33 @@ static void meter_stages(fray_world *w, const step_view *k, uint32_t p, uint32_t
     const int32_t behind = mark < STEP_MARKS ? axis_of(m->sum[mark - 1u], n) : end;
     const int64_t part = (int64_t)behind - before;
     if (part != 0)
-      add_row(w, &w->energy.stage[stage_of(w, mark)],
-              times_half(part, twice_before + change_of(k, p, before) + change_of(k, p, behind),
-                         ELASTIC_IMPULSE_BITS));
+      book_stage(w, stage_of(w, mark),
+                 times_half(part, twice_before + change_of(k, p, before) + change_of(k, p, behind),
+                            ELASTIC_IMPULSE_BITS));
     before = behind;
   }
   /* drag slows what constraints gave */
   if (end != forced)
-    add_row(w, &w->energy.stage[FRAY_ENERGY_DRAG],
-            times_half((int64_t)forced - end, a->taken, ELASTIC_IMPULSE_BITS));
-}
-
-enum { FINE_BITS = FX_VELOCITY_BITS + 16 };
-
-/* Of a change of its speed, by twice the mean of u, both Q44. */
-static wide_number free_work(const fray_world *w, uint32_t b, int64_t change, int64_t twice) {
-  return wide_times(wide_product(change, twice, 2 * FINE_BITS + 1),
-                    ((int64_t)1 << 50) / w->rigid.bodies[b].mass_ratio, 20);
+    book_stage(w, FRAY_ENERGY_DRAG, times_half((int64_t)forced - end, a->taken, ELASTIC_IMPULSE_BITS));
 }
 
 /* A driven body has the work of its impulse on the cloth, and the stage what is left of that. A free one is
  * changed by the stage, planes under it too. */
 static void meter_body(fray_world *w, uint32_t b, uint32_t mark) {
   metered_body *m = &w->membrane.metered_bodies[b];
+  const rigid_body *k = &w->rigid.bodies[b];
   const body_state *s = &w->rigid.states[b];
   for (uint32_t n = 0; n < 3; ++n) {
     const int64_t before = w->membrane.bodies[b].before[n];
-    const int64_t speed = (int64_t)s->velocity[n] * (1 << 16) + ((uint32_t)s->fraction[n] >> 14);
+    const int64_t speed = body_fine_speed(s, n);
     const int64_t impulse = w->rigid.motion[b].impulse[n];
     if (mark == 0)
       m->forced[n] = speed - before * (1 << 16);
     else
-      add_row(w, &w->energy.stage[stage_of(w, mark)],
-              body_is_driven(&w->rigid.bodies[b])
-                  ? wide_product(m->impulse[n] - impulse, s->velocity[n], 2 * FX_VELOCITY_BITS)
-                  : free_work(w, b, speed - m->speed[n], speed + m->speed[n] - m->forced[n]));
+      book_stage(w, stage_of(w, mark),
+                 body_is_driven(k)
+                     ? wide_product(m->impulse[n] - impulse, s->velocity[n], 2 * FX_VELOCITY_BITS)
+                     : body_fine_work(k, speed - m->speed[n], speed + m->speed[n] - m->forced[n]));
     m->impulse[n] = impulse;
     m->speed[n] = speed;
   }
@@ -135,7 +130,7 @@ void step_meter_damping_add(fray_world *w) {
 static void meter_damping(fray_world *w, uint32_t p, uint32_t n, int64_t twice_mean) {
   const int32_t damping = axis_of(w->membrane.metered_impulses[p].damping, n);
   if (damping != 0)
-    add_row(w, &w->energy.stage[FRAY_ENERGY_DAMPING], times_half(damping, twice_mean, ELASTIC_IMPULSE_BITS));
+    book_stage(w, FRAY_ENERGY_DAMPING, times_half(damping, twice_mean, ELASTIC_IMPULSE_BITS));
 }
 
 static void meter_vertex(fray_world *w, const step_view *k, uint32_t p) {
@@ -151,11 +146,10 @@ static void meter_vertex(fray_world *w, const step_view *k, uint32_t p) {
     meter_stages(w, k, p, n, &a);
     meter_damping(w, p, n, a.twice_mean);
     if (k->drag != 0)
-      add_row(w, &w->energy.stage[FRAY_ENERGY_DRAG],
-              times_half(-mass * a.taken, a.twice_mean, FX_VELOCITY_BITS + MASS_BITS));
+      book_stage(w, FRAY_ENERGY_DRAG,
+                 times_half(-mass * a.taken, a.twice_mean, FX_VELOCITY_BITS + MASS_BITS));
     if (external[n] != 0)
-      add_row(w, &w->energy.supplied[FRAY_SUPPLIED_LOADS],
-              times_half(external[n], a.twice_mean, ELASTIC_IMPULSE_BITS));
+      book_load(w, times_half(external[n], a.twice_mean, ELASTIC_IMPULSE_BITS));
   }
 }
 
@@ -169,8 +163,7 @@ static void meter_attached(fray_world *w, uint32_t p) {
   for (uint32_t n = 0; n < 3; ++n) {
     meter_damping(w, p, n, (int64_t)w->membrane.bodies[b].before[n] + v[n]);
     if (external[n] != 0)
-      add_row(w, &w->energy.supplied[FRAY_SUPPLIED_LOADS],
-              wide_of(fx_mul_wide(external[n], v[n]), ELASTIC_IMPULSE_BITS + FX_VELOCITY_BITS));
+      book_load(w, wide_of(fx_mul_wide(external[n], v[n]), ELASTIC_IMPULSE_BITS + FX_VELOCITY_BITS));
   }
 }
 

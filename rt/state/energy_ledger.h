@@ -12,6 +12,7 @@
 #include "rt/base/wide.h"
 #include "rt/fray.h"
 #include "rt/state/params.h"
+#include "rt/state/rigid_body.h"
 #include "rt/state/yarn_elastic.h"
 
 /* 1: with the ledger. Hosts have it; cores that do one thing at a time and machines without an
@@ -23,14 +24,6 @@
 #define FRAY_ENERGY 1
 #endif
 #endif
-
-/* In an elastic step of yarns: before it, behind its damping, behind all but contact, behind that. */
-typedef enum {
-  ENERGY_STEP_BEGUN,
-  ENERGY_STEP_DAMPED,
-  ENERGY_STEP_FORCED,
-  ENERGY_STEP_MARKS
-} energy_step_mark_name;
 
 #if FRAY_ENERGY
 /* What is stored at one moment. The kinetic store is motion, form and held (rt/energy/README.md).
@@ -62,10 +55,27 @@ typedef struct {
   wide_number made[FRAY_ENERGY_STAGES], lost[FRAY_ENERGY_STAGES];
   int64_t seen[MAX_BODIES][3]; /* impulses of bodies that are in the books */
   int32_t velocity[MAX_BODIES][3]; /* of bodies, when a tick begins and when they moved last */
-  metered_yarn_body step[ENERGY_STEP_MARKS][MAX_BODIES]; /* of an elastic step of yarns, behind its marks */
+  metered_yarn_body step[YARN_STEP_MARKS][MAX_BODIES]; /* of an elastic step of yarns, behind its marks */
   uint32_t fastest_vertex;
   uint64_t fastest_squared, fastest_tick;
 } energy_ledger;
+
+/* Puts work that a stage knows into a row of the ledger. */
+static inline void energy_ledger_book(energy_ledger *l, wide_number *row, wide_number work) {
+  *row = wide_add(*row, work);
+  l->booked = wide_add(l->booked, work);
+}
+
+/* Of a body with its fraction. */
+enum { BODY_FINE_BITS = FX_VELOCITY_BITS + 16 };
+static inline int64_t body_fine_speed(const body_state *s, uint32_t axis) {
+  return (int64_t)s->velocity[axis] * (1 << 16) + ((uint32_t)s->fraction[axis] >> 14);
+}
+/* Of a free body, from a change of its speed by twice the mean, both Q44. */
+static inline wide_number body_fine_work(const rigid_body *k, int64_t change, int64_t twice) {
+  const int64_t mass = ((int64_t)1 << 50) / k->mass_ratio;
+  return wide_times(wide_product(change, twice, 2 * BODY_FINE_BITS + 1), mass, 20);
+}
 #endif
 
 #endif

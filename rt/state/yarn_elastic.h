@@ -11,7 +11,10 @@ enum {
   YARN_ELASTIC_PULL_MIN = 1 << 29, /* of mantissas */
   YARN_ELASTIC_SCALE_MIN = 8,
   YARN_ELASTIC_SCALE_MAX = 56,
-  YARN_ELASTIC_DAMPING_MAX = 1 << 27
+  YARN_ELASTIC_DAMPING_MAX = 1 << 27,
+  /* Q28 lu per substep, of one link along an axis in an elastic step: four ends of whole mass or two of half,
+   * twice, fit */
+  YARN_ELASTIC_IMPULSE_MAX = 1 << 27
 };
 
 /* Gains of a class of links. A link d that is too long by e = |d|^2 - R^2, in its direction units, changes
@@ -25,10 +28,12 @@ typedef struct {
 
 enum { YARN_GAIN_WORDS = sizeof(yarn_gain) / 4 };
 
-/* Of a watched world, velocities in an elastic step, Q28 lu per substep: before it, behind its damping, and
- * behind all but contact. */
+/* Marks of an elastic step, for the energy ledger: before it, behind its damping, behind all but contact. */
+typedef enum { YARN_STEP_BEGUN, YARN_STEP_DAMPED, YARN_STEP_FORCED, YARN_STEP_MARKS } yarn_step_mark;
+
+/* Of a watched world: velocities behind these marks, Q28 lu per substep. */
 typedef struct {
-  vec3 begun, damped, forced;
+  vec3 velocity[YARN_STEP_MARKS];
 } metered_yarn;
 /* Of a body: its impulse on the cloth and its speed, Q44. */
 typedef struct {

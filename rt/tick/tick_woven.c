@@ -27,13 +27,13 @@ void tick_woven(fray_world *w) {
   FRAY_ASSERT(!world_has_membrane(w));
   damp_apply(w);       /* 3 */
   energy_stage(w, FRAY_ENERGY_DRAG);
-  if (!world_has_elastic_yarns(w)) {
+  if (world_is_projected(w)) {
     bend_shear_apply(w); /* 1, 2: structural springs are projected instead */
     energy_springs(w);
   }
   if (world_has_yarns(w)) yarn_grip_update(w);
   energy_stage(w, FRAY_ENERGY_TEARS); /* offsets of contacts that tears began fade */
-  if (!world_has_elastic_yarns(w)) contact_gather(w);
+  if (world_is_projected(w)) contact_gather(w);
   if (world_has_yarn_collision(w)) yarn_collision_begin(w);
   for (uint32_t substep = 0; substep < substeps; ++substep) {
     if (world_has_rigid_meshes(w)) contact_vertices_begin(w);
@@ -52,7 +52,7 @@ void tick_woven(fray_world *w) {
     energy_moves(w);
     strain_limit_apply(w);       /* 5 */
     energy_stage(w, FRAY_ENERGY_LIMITS);
-    if (world_has_yarns(w) && !world_has_elastic_yarns(w)) yarn_slip_apply(w); /* 5 */
+    if (world_has_yarns(w) && world_is_projected(w)) yarn_slip_apply(w); /* 5 */
     energy_stage(w, FRAY_ENERGY_SLIP);
     contact_primitives_solve(w); /* 6 */
     if (world_has_rigid_meshes(w)) contact_vertices_solve(w); /* 6 */

@@ -177,7 +177,7 @@ static void lock_diagonals(fray_world *w) {
 void strain_limit_apply(fray_world *w) {
   FRAY_ASSERT(w->params->iterations > 0);
   for (int32_t iteration = 0; iteration < w->params->iterations; ++iteration) {
-    if (!world_has_elastic_yarns(w)) strain_limit_range(w, 0, (uint32_t)w->params->link_batches);
+    if (world_is_projected(w)) strain_limit_range(w, 0, (uint32_t)w->params->link_batches);
     if (world_has_shear_lock(w)) lock_diagonals(w);
   }
 }

@@ -13,9 +13,9 @@
  * % for stretches to 25 %, 0.2 % for compressions to 25 %. Beyond that u phi(u) stays, and the force grows
  * with d alone. Lengths have 32-bit products and are known to 1/20 of a position step. The rest has 64 bits:
  * with 16-bit directions and forces of 11 bits the force went in stairs of 2^-12 of itself, and a yarn at 4 %
- * began to oscillate, to 3 % of its tension. Of one link along an axis they are held at STRETCH_DV_MAX, which
- * FRAY_FAULT_OVERSTRETCHED says. Impulses are equal and opposite; those of stretch do not depend
- * on the order of the links, those of damping, which come before them, do.
+ * began to oscillate, to 3 % of its tension. Of one link along an axis they are held at
+ * YARN_ELASTIC_IMPULSE_MAX, which FRAY_FAULT_OVERSTRETCHED says. Impulses are equal and opposite; those of
+ * stretch do not depend on the order of the links, those of damping, which come before them, do.
  *
  * Positions move by v / 2^b and keep the remainder of rounding. */
 #include "rt/contact/contact.h"
@@ -29,7 +29,6 @@
 #include "rt/woven/yarn_slip.h"
 
 enum {
-  STRETCH_DV_MAX = 1 << 27, /* one link, one pass: four ends of whole mass or two of half, twice, fit */
   STRETCH_SPEED_MAX = FX_SPEED_MAX - (1 << 25), /* four links more fit 32 bits */
   STRETCH_D_MAX = LINK_HI_MAX << LINK_SHIFT
 };
@@ -52,7 +51,7 @@ static inline int32_t phi_of(int32_t u) {
 }
 
 static inline vec3 dv_of(vec3 d, int32_t pull, int32_t down) {
-  return vec_round_clamped(vec_scale64(d, pull), (unsigned)down, STRETCH_DV_MAX);
+  return vec_round_clamped(vec_scale64(d, pull), (unsigned)down, YARN_ELASTIC_IMPULSE_MAX);
 }
 
 /* dv of end i from the speed at which the ends separate, along the link; fits for any velocities. The gain is
@@ -84,7 +83,7 @@ static inline vec3 elastic_impulse_of(const yarn_elastic_view *s, uint32_t i, ui
   return dv_of(d, pull, down);
 }
 
-/* Returns a span of all impulses: STRETCH_DV_MAX or more iff one was held there. */
+/* Returns a span of all impulses: YARN_ELASTIC_IMPULSE_MAX or more iff one was held there. */
 static uint32_t apply_links(fray_world *w, const yarn_elastic_view *s, uint32_t first, uint32_t end,
                             int32_t attached, int damp) {
   uint32_t span = 0;
@@ -115,16 +114,16 @@ static void apply_batches(fray_world *w, const yarn_elastic_view *s, int damp) {
     const uint32_t end = world_batch_run(w, &b, batches);
     if (attached == BATCH_INACTIVE) continue;
     const uint32_t span = apply_links(w, s, first, end, attached, damp);
-    if (span >= STRETCH_DV_MAX) world_fault(w, FRAY_FAULT_OVERSTRETCHED);
+    if (span >= YARN_ELASTIC_IMPULSE_MAX) world_fault(w, FRAY_FAULT_OVERSTRETCHED);
     w->work.yarn_forces += end - first;
   }
 }
 
 /* Damping before stretch: between the impulses of its two neighbours a particle at rest seems to move. */
 static void apply_forces(fray_world *w, const yarn_elastic_view *s) {
-  energy_step_mark(w, ENERGY_STEP_BEGUN);
+  energy_step_mark(w, YARN_STEP_BEGUN);
   if (w->woven.elastic_params->damping_ns != 0) apply_batches(w, s, 1);
-  energy_step_mark(w, ENERGY_STEP_DAMPED);
+  energy_step_mark(w, YARN_STEP_DAMPED);
   apply_batches(w, s, 0);
 }
 
@@ -172,11 +171,6 @@ static void end_axis(fray_world *w, int32_t *predicted, int8_t *remainder, const
   }
 }
 
-/* What the list may have left out would be led out of bodies again and again. */
-static int contacts_are_full(const fray_world *w) {
-  return w->contact.gathered == w->capacity[POOL_CONTACTS];
-}
-
 /* What free bodies hold has their velocities. */
 static void follow_bodies(fray_world *w) {
   for (uint32_t p = 0; p < particles_attached(w); ++p) {
@@ -205,7 +199,7 @@ void yarn_stretch_run(fray_world *w) {
   begin_axis(w, 1, w->p.vy, rounding[1], w->p.ry);
   begin_axis(w, 2, w->p.vz, rounding[2], w->p.rz);
   bodies_steps_begin(w, bits);
-  yarn_step now = {0, bits, contacts_are_full(w) ? 0 : step_rise_of(w), {0, 0, 0}};
+  yarn_step now = {0, bits, step_rise_of(w), {0, 0, 0}};
   for (int32_t step = 0; step < 1 << bits; ++step) {
     const vec3 gravity = vec_make(gravity_part(g.x, step, bits), gravity_part(g.y, step, bits),
                                   gravity_part(g.z, step, bits));
@@ -215,7 +209,7 @@ void yarn_stretch_run(fray_world *w) {
     if (world_has_yarns(w)) yarn_slip_apply(w);
     bodies_update_velocity(w);
     contact_steps_pulled(w);
-    energy_step_mark(w, ENERGY_STEP_FORCED);
+    energy_step_mark(w, YARN_STEP_FORCED);
     now.number = step;
     now.gravity = gravity;
     contact_steps_solve(w, &now);

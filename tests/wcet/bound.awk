@@ -107,6 +107,8 @@ function least(a, b) { return a < b ? a : b }
 # contacts of elastic yarns act in each elastic step; they are a stage of their own there, too
 function is_inner(stage, loop) { return stage == "yarn_stretch_run" && (loop == "slips" || loop == "spares") }
 function times(stage) {
+  # only worlds with such yarns call these
+  if (stage == "yarn_stretch_run" && stretches == 0 || stage == "yarn_slip_apply" && yarns == 0) return 0
   if (stage == "yarn_slip_apply" && stretches != 0) return substeps * inner_steps
   if (stage == "bodies_update_velocity" && stretches != 0) return substeps * (1 + inner_steps)
   if (stage == "bend_shear_apply" || stage == "contact_gather") return pulls

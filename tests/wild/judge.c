@@ -237,13 +237,14 @@ static double net_of(const judged *j, const fray_energy_account *a, uint32_t n) 
          fmin(sum_of(a, FRAY_ENERGY_SLIP), 0) + fmin(sum_of(a, FRAY_ENERGY_SELF_COLLISION), 0);
 }
 
-/* A strain beyond the largest has a force and no energy, a force that is held has less than it, and a body that is driven through what another holds
- * leaves it behind: what steps, or contact, make in such a tick says nothing. Every other stage, and every
+/* A membrane's strain beyond the largest has a force and no energy, and a body that is driven through what another
+ * holds leaves it behind: what steps, or contact, make in such a tick says nothing. Every other stage, and every
  * other tick, is judged as ever. */
 static double excused_net(judged *j, uint32_t n, double net, uint32_t faults) {
-  const uint32_t excuse = n == FRAY_ENERGY_STEPS     ? FRAY_FAULT_OVERSTRETCHED
-                          : n == FRAY_ENERGY_CONTACT ? FRAY_FAULT_CONTACT_UNRESOLVED
-                                                     : 0u;
+  const int is_membrane = world_has_membrane(j->watched.w);
+  const uint32_t excuse = n == FRAY_ENERGY_STEPS && is_membrane ? FRAY_FAULT_OVERSTRETCHED
+                          : n == FRAY_ENERGY_CONTACT            ? FRAY_FAULT_CONTACT_UNRESOLVED
+                                                                : 0u;
   if ((faults & excuse) != 0) j->excused[n] += fmax(0, net - j->net[n]);
   j->net[n] = net;
   return net - j->excused[n];

@@ -108,12 +108,12 @@ static double minutes_now(void) {
 }
 
 /* The n-th argument, otherwise the default. */
-static double number_at(int argc, char **argv, int n, const char *name, double otherwise) {
+static double number_at(int argc, char **argv, int n, const char *name, double most, double otherwise) {
   if (n >= argc) return otherwise;
   char *end;
   const double value = strtod(argv[n], &end);
-  if (end != argv[n] && *end == 0 && value >= 0 && value <= 0x1p53) return value;
-  fprintf(stderr, "wild: %s \"%s\", expected a number from 0 on\n", name, argv[n]);
+  if (end != argv[n] && *end == 0 && value >= 0 && value <= most) return value;
+  fprintf(stderr, "wild: %s \"%s\", expected a number from 0 to %.16g\n", name, argv[n], most);
   exit(2);
 }
 
@@ -125,10 +125,10 @@ int main(int argc, char **argv) {
     fprintf(stderr, "usage: wild SEED COUNT [SECONDS [FIRST]] [short]\n");
     return 2;
   }
-  k.seed = (uint64_t)number_at(argc, argv, 1, "SEED", 0);
-  k.count = (uint32_t)number_at(argc, argv, 2, "COUNT", 0);
-  k.seconds = number_at(argc, argv, 3, "SECONDS", 2);
-  const uint64_t first = (uint64_t)number_at(argc, argv, 4, "FIRST", 0);
+  k.seed = (uint64_t)number_at(argc, argv, 1, "SEED", 0x1p53, 0);
+  k.count = (uint32_t)number_at(argc, argv, 2, "COUNT", UINT32_MAX, 0);
+  k.seconds = number_at(argc, argv, 3, "SECONDS", 3600, 2);
+  const uint64_t first = (uint64_t)number_at(argc, argv, 4, "FIRST", 0x1p53, 0);
   k.kinds = is_short ? (1u << JUDGE_MOTION) - 1u : (1u << JUDGE_KINDS) - 1u;
   mkdir("out", 0777);
   mkdir("out/wild", 0777);
