@@ -185,11 +185,15 @@ static int32_t faded(int32_t offset) {
   return offset - (offset < 0 ? offset - (FADE - 1) : offset + (FADE - 1)) / FADE;
 }
 
-/* Of elastic yarns only where it does not draw on the gap, which would store energy. */
+/* Of elastic yarns only where the gap grows no larger, which would store energy. */
 static void fade(const fray_world *w, yarn_contact *c, yarn_touch *touch) {
-  if (world_has_elastic_yarns(w) && vec_dot64(touch->gap, vec_of(c->offset)) > 0) return;
-  for (uint32_t axis = 0; axis < 3; ++axis) c->offset[axis] = faded(c->offset[axis]);
-  touch->gap = yarn_touch_gap(touch, c);
+  const vec3 offset = vec_of(c->offset);
+  vec_store(c->offset, vec_make(faded(offset.x), faded(offset.y), faded(offset.z)));
+  const vec3 gap = yarn_touch_gap(touch, c);
+  if (world_has_elastic_yarns(w) && vec_squared(gap) > vec_squared(touch->gap))
+    vec_store(c->offset, offset);
+  else
+    touch->gap = gap;
 }
 
 static void update_contact(fray_world *w, const grip_gains *k, uint32_t n) {
