@@ -7,7 +7,8 @@
  *   pair_particle           particle 0..3 of a pair
  *   pair_push               pushes the two apart, removes their approach, sets `near`; returns 1 iff it
  *                           moved one
- *   pair_touches            1 where they touch on their paths, or may */
+ *   pair_touches            1 where they touch on their paths, or may
+ *   zones_lead_out          leads them out of bodies where nothing else does; returns 1 iff it moved one */
 
 /* None of its particles has been moved since its last test. */
 static int pair_is_unmoved(const fray_world *w, const COLLISION_PAIR *pair) {
@@ -42,6 +43,7 @@ static int push_pairs(fray_world *w) {
       pair->tested_round = w->self.round;
       pushed |= pair_push(w, pair);
     }
+    pushed |= zones_lead_out(w);
     moved |= pushed;
   }
   return moved;
@@ -63,17 +65,22 @@ static int merge_touching(fray_world *w) {
   return merged;
 }
 
+static void move_zones(fray_world *w) {
+  impact_zones_move(w);
+  (void)zones_lead_out(w);
+}
+
 /* Merges what touches until nothing does; where that takes too many rounds, all that is near something. */
 static void merge_pairs(fray_world *w) {
   FRAY_ASSERT(w->self.round + (uint32_t)SELF_MERGES <= UINT8_MAX);
-  impact_zones_move(w);
+  move_zones(w);
   for (uint32_t round = 0; round < SELF_MERGES; ++round) {
     if (!merge_touching(w)) return;
-    impact_zones_move(w);
+    move_zones(w);
   }
   for (uint32_t n = 0; n < pair_count(w); ++n) {
     pair_merge(w, pair_at(w, n));
     impact_zones_join(w, pair_particle(w, pair_at(w, 0), 0), pair_particle(w, pair_at(w, n), 0));
   }
-  impact_zones_move(w);
+  move_zones(w);
 }

@@ -44,6 +44,10 @@ static inline int pair_push(fray_world *w, triangle_pair *pair) { return triangl
 static inline int pair_touches(fray_world *w, const triangle_pair *pair) {
   return triangle_collision_touches(w, pair);
 }
+static inline int zones_lead_out(fray_world *w) {
+  (void)w; /* bodies pin vertices behind a pass */
+  return 0;
+}
 
 #include "rt/self_collision/collision_passes.inl.h"
 

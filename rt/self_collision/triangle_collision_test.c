@@ -234,7 +234,7 @@ void triangle_collision_check(fray_world *w, uint32_t n) {
 /* What has no room is merged where it touches; of so many a tick, others are left out. */
 static void merge_without_room(fray_world *w, const triangle_pair *pair) {
   triangle_pair_list *l = w->tri.list;
-  if (l->without_room >= triangles_in_use(w) * SELF_WITHOUT_ROOM) return;
+  if (l->without_room >= triangles_in_use(w) * SELF_TRIANGLES_WITHOUT_ROOM) return;
   ++l->without_room;
   if (has_one_vertex(w, pair) || !triangle_collision_touches(w, pair)) return;
   triangle_collision_merge(w, pair);

@@ -26,6 +26,7 @@
  * follow their bodies: bodies that carry yarns through each other are reported, not stopped. */
 #include "rt/self_collision/yarn_collision.h"
 
+#include "rt/self_collision/impact_zone_bodies.h"
 #include "rt/self_collision/self_collision.h"
 #include "rt/woven/woven.h"
 
@@ -41,6 +42,8 @@ static inline int pair_push(fray_world *w, self_pair *pair) { return yarn_collis
 static inline int pair_touches(fray_world *w, const self_pair *pair) {
   return yarn_collision_touches(w, pair);
 }
+
+static inline int zones_lead_out(fray_world *w) { return impact_zones_lead_out(w); }
 
 #include "rt/self_collision/collision_passes.inl.h"
 
@@ -81,6 +84,7 @@ static void follow_zones(fray_world *w) {
   for (uint32_t sweep = 0; sweep < sweeps; ++sweep) {
     strain_limit_apply(w);
     hold_zones(w);
+    (void)impact_zones_lead_out(w);
   }
   for (uint32_t b = 0; b < bodies; ++b)
     for (uint32_t k = 0; k < 3; ++k) w->rigid.motion[b].impulse[k] = impulse[b][k];
@@ -97,6 +101,7 @@ void yarn_collision_solve(fray_world *w) {
     if (w->yarn.pass == 0) (void)push_pairs(w);
     merge_pairs(w);
     impact_zones_average(w);
+    impact_zones_stop(w);
     if (w->self.merged && w->yarn.pass < SELF_FOLLOWS && !world_has_elastic_yarns(w)) {
       follow_zones(w);
       continue; /* what followed may touch */

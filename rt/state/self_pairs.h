@@ -33,7 +33,8 @@ enum {
   SELF_ROUNDS = 3,   /* rounds of pushes */
   SELF_MERGES = 8,   /* rounds of merges in a pass */
   SELF_VISITS = 128, /* tests of two boxes in a pass, for each crossing */
-  SELF_WITHOUT_ROOM = 64, /* pairs without room in a tick that are tested, for each crossing or triangle */
+  SELF_WITHOUT_ROOM = 192,         /* pairs without room in a tick that are tested, for each crossing, */
+  SELF_TRIANGLES_WITHOUT_ROOM = 64, /* for each triangle */
   SELF_BOXES = 2,    /* nodes of the tree for each crossing: 4/3, and what odd sizes add */
   SELF_LEVELS = 13
 };
