@@ -87,7 +87,7 @@ static void find_primitive(fray_world *w, const contact *k) {
 
 /* ---- meshes ---- */
 
-/* Of elastic yarns: one for each mesh that a particle may meet. */
+/* Of elastic yarns. */
 static void add_plane(fray_world *w, const collider *t, uint32_t p, vec3 out, int64_t gap) {
   if (collider_add_contact(w, t, p, out))
     w->contact.list[w->contact.count - 1u].plane_gap = contact_plane_gap(gap);
@@ -106,11 +106,10 @@ static void find_vertex(fray_world *w, const collider *t, uint32_t p, ccd_path p
     if (push.depth == 0) return;
     const int64_t gap =
         (int64_t)vec_dot_unit(vec_sub(begin, path.end), push.out) + room - push.depth;
-    if (!world_has_membrane(w)) {
+    if (world_has_membrane(w))
+      contact_constraint_add_vertex(w, t->body, CONSTRAINT_FLAT, p, push.out, gap);
+    else
       add_plane(w, t, p, push.out, gap);
-      return;
-    }
-    contact_constraint_add_vertex(w, t->body, CONSTRAINT_FLAT, p, push.out, gap);
     path.end = collider_pushed(path.end, push.out, push.depth);
   }
 }

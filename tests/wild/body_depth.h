@@ -10,6 +10,8 @@
 #include <stdlib.h>
 
 #include "rt/fray.h"
+#include "rt/state/rigid_mesh.h"
+#include "tests/physics/moving_distance.h"
 
 typedef struct {
   uint32_t bodies, particles;
@@ -51,17 +53,33 @@ static inline int body_depth_knows(const fray_body *b) {
   return b->shape != FRAY_ANCHOR && b->shape != FRAY_MESH;
 }
 
+/* A face of the mesh is no farther than this. */
+static inline int body_depth_mesh_is_near(const fray_world *w, uint32_t body, const double at[3], double near) {
+  const rigid_mesh_parts m = rigid_mesh_at(w, rigid_mesh_of_body(w, body));
+  const int32_t *from = w->rigid.states[body].position;
+  real3 p[4];
+  for (int n = 0; n < 3; ++n) p[0].x[n] = at[n] - from[n];
+  for (int32_t f = 0; f < m.of->faces; ++f) {
+    for (int k = 0; k < 3; ++k)
+      for (int n = 0; n < 3; ++n) p[k + 1].x[n] = m.points[m.faces[f].point[k]].at[n];
+    if (triangle_distance(p) < near) return 1;
+  }
+  return 0;
+}
+
 /* Another body is no farther than this: bodies do not stop each other, so what is between two is in one. */
 static inline int body_depth_is_squeezed(const fray_world *w, uint32_t bodies, uint32_t body, const double at[3],
                                          double near) {
   for (uint32_t n = 0; n < bodies; ++n) {
     const fray_body b = fray_view_body(w, n);
-    if (n != body && body_depth_knows(&b) && body_depth_at(&b, at) > -near) return 1;
+    if (n == body) continue;
+    if (body_depth_knows(&b) && body_depth_at(&b, at) > -near) return 1;
+    if (b.shape == FRAY_MESH && body_depth_mesh_is_near(w, n, at, near)) return 1;
   }
   return 0;
 }
 
-/* The deepest of those that were outside of the body once and are not squeezed, or 0. */
+/* The deepest of those that were outside of the body, and since then were not squeezed into it, or 0. */
 static inline double body_depth_update(body_depth *d, const fray_world *w) {
   const fray_particles v = fray_view_particles(w);
   const double near = 2.0 * fray_get_info(w).thickness;
@@ -74,7 +92,11 @@ static inline double body_depth_update(body_depth *d, const fray_world *w) {
       const double at[3] = {v.x[p], v.y[p], v.z[p]};
       const double depth = body_depth_at(&b, at);
       if (depth <= 0) outside[p] = 1;
-      if (outside[p] && depth > deepest && !body_depth_is_squeezed(w, d->bodies, n, at, near)) deepest = depth;
+      if (!outside[p] || depth <= deepest) continue;
+      if (!body_depth_is_squeezed(w, d->bodies, n, at, near))
+        deepest = depth;
+      else if (depth > near)
+        outside[p] = 0;
     }
   }
   return deepest;
