@@ -5,6 +5,6 @@
 #ifndef FRAY_IMAGE_PHYSICS_ID_H
 #define FRAY_IMAGE_PHYSICS_ID_H
 
-#define PHYSICS_ID 0xE6215A7Bu
+#define PHYSICS_ID 0x6ABA0924u
 
 #endif

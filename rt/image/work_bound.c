@@ -40,7 +40,7 @@ static void add_rigid_meshes(const fray_world *w, fray_work *most) {
                                       passes * (1u + whole) + (runs - 1u) * collider_count(w) * substeps);
 }
 
-/* Of pairs found in so many passes, in a pool of which so many have room; and of so many without room. */
+/* Of pairs found in so many passes, in a pool of which so many have room; and of tests without room. */
 static uint32_t self_ccd_most(uint64_t pairs, uint32_t room, uint64_t without_room) {
   const uint32_t merges = saturated_product(pairs, SELF_MERGES);
   const uint32_t pushes = saturated_product(room, SELF_ROUNDS);
@@ -56,7 +56,7 @@ static void add_yarn_collision(const fray_world *w, fray_work *most) {
   const uint32_t substeps = (uint32_t)w->params->substeps;
   const uint64_t sweeps = (uint64_t)SELF_FOLLOWS * self_follow_sweeps(substeps);
   const uint64_t followed = sweeps * (most->projections / substeps);
-  const uint64_t looks = SELF_PASSES * (SELF_MERGES + 3u) + sweeps; /* at bodies */
+  const uint64_t looks = SELF_PASSES * (SELF_ROUNDS + SELF_MERGES + 3u) + sweeps; /* at bodies */
   most->contacts = saturated_sum(most->contacts, saturated_product(w->capacity[POOL_CONTACTS], looks));
   if (!world_has_elastic_yarns(w))
     most->projections = saturated_sum(most->projections, saturated_product(followed, 1));
@@ -72,7 +72,8 @@ static void add_triangle_collision(const fray_world *w, fray_work *most) {
   const uint64_t looks = (uint64_t)TRIANGLE_PAIR_CHECKS * collider_count(w);
   most->self_box_tests = saturated_product(triangles * (triangles + 1u) / 2u, 2 * (SELF_PASSES + 1u));
   most->self_pairs = saturated_product(pairs, 1);
-  most->self_ccd = self_ccd_most(pairs, w->capacity[POOL_TRIANGLE_PAIRS], triangles * SELF_TRIANGLES_WITHOUT_ROOM);
+  const uint64_t without_room = triangles * SELF_TRIANGLES_WITHOUT_ROOM;
+  most->self_ccd = self_ccd_most(pairs, w->capacity[POOL_TRIANGLE_PAIRS], without_room);
   most->self_merged = saturated_product(w->capacity[POOL_PARTICLES], SELF_PASSES * (SELF_MERGES + 2u) + 2u);
   const uint64_t steps = (uint64_t)(uint32_t)w->membrane.constants->steps * (uint32_t)w->params->substeps;
   const uint64_t constraints = (uint64_t)SELF_CONSTRAINTS * w->capacity[POOL_PARTICLES];

@@ -8,7 +8,7 @@
  *   pair_push               pushes the two apart, removes their approach, sets `near`; returns 1 iff it
  *                           moved one
  *   pair_touches            1 where they touch on their paths, or may
- *   zones_lead_out          leads them out of bodies where nothing else does; returns 1 iff it moved one */
+ *   lead_zones_out          leads zones out of bodies where nothing else does; returns 1 iff it moved one */
 
 /* None of its particles has been moved since its last test. */
 static int pair_is_unmoved(const fray_world *w, const COLLISION_PAIR *pair) {
@@ -43,7 +43,7 @@ static int push_pairs(fray_world *w) {
       pair->tested_round = w->self.round;
       pushed |= pair_push(w, pair);
     }
-    pushed |= zones_lead_out(w);
+    pushed |= lead_zones_out(w);
     moved |= pushed;
   }
   return moved;
@@ -67,7 +67,7 @@ static int merge_touching(fray_world *w) {
 
 static void move_zones(fray_world *w) {
   impact_zones_move(w);
-  (void)zones_lead_out(w);
+  (void)lead_zones_out(w);
 }
 
 /* Merges what touches until nothing does; where that takes too many rounds, all that is near something. */

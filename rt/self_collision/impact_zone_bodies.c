@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A zone goes back by the way of a tick, and a push moves yarns by up to a thickness: both may end in a body
  * that contact kept them out of. Put out particle by particle, in the next tick, the zone would come back as
- * often, and what weighs on it would press it in. So it meets bodies as one particle of its mass: it is led out
- * by position, and stops, without restitution. One contact after the other sees what those before it did. */
+ * often, and what weighs on it would press it in. So it meets bodies as one particle of its mass: it is led
+ * out by position, and stops, without restitution. Each contact sees what those before it did. */
 #include "rt/self_collision/impact_zone_bodies.h"
 
 #include "rt/contact/shape.h"
@@ -14,8 +14,8 @@ static self_zone *zone_of(fray_world *w, const contact *c) {
 }
 
 static int32_t depth_of(const fray_world *w, const contact *c, vec3 at, int32_t skin, vec3 *normal) {
-  return shape_depth_at(&w->rigid.bodies[c->body], vec_sub(at, vec_of(w->rigid.states[c->body].position)), skin,
-                        normal);
+  const vec3 d = vec_sub(at, vec_of(w->rigid.states[c->body].position));
+  return shape_depth_at(&w->rigid.bodies[c->body], d, skin, normal);
 }
 
 /* `sum` of a zone: how far it is led out, Q24 lu; then what stops it, Q28 lu per substep. */
@@ -88,12 +88,12 @@ static int32_t whole(int32_t v) { return v / ZONE_SPEED_STEP; }
 static void stop(fray_world *w, const contact *c) {
   enum { NEAR = 16 }; /* of the thickness: as good as touching */
   const uint32_t b = c->body;
+  const int32_t skin = w->params->thickness + w->params->thickness / NEAR;
   self_zone *z = zone_of(w, c);
   vec3 normal;
   if (z->members < 2 || z->held != SELF_NONE) return;
   ++w->work.contacts;
-  if (depth_of(w, c, world_position(w, c->particle), w->params->thickness + w->params->thickness / NEAR, &normal) <= 0)
-    return;
+  if (depth_of(w, c, world_position(w, c->particle), skin, &normal) <= 0) return;
   const vec3 velocity = vec_add_clamped(world_velocity(w, c->particle), sum_of(z), INT32_MAX);
   const vec3 relative = vec_sub_saturated(velocity, vec_of(w->rigid.states[b].velocity));
   const vec3 change = step_contact_change(relative, normal, 0, w->rigid.bodies[b].friction);

@@ -9,8 +9,8 @@
  * Positions only. A zone with an attached particle stays with that; where a body holds it in another one,
  * FRAY_FAULT_CONTACT_UNRESOLVED says so. Returns 1 iff it moved some. */
 int impact_zones_lead_out(fray_world *w);
-/* Behind impact_zones_average(): a zone of two and more that touches a body has no speed into it, with friction
- * within the Coulomb cone. Bodies get the opposite impulses. */
+/* Behind impact_zones_average(): a zone of two and more that touches a body has no speed into it, with
+ * friction within the Coulomb cone. Bodies get the opposite impulses. */
 void impact_zones_stop(fray_world *w);
 
 #endif

@@ -44,7 +44,7 @@ static inline int pair_push(fray_world *w, triangle_pair *pair) { return triangl
 static inline int pair_touches(fray_world *w, const triangle_pair *pair) {
   return triangle_collision_touches(w, pair);
 }
-static inline int zones_lead_out(fray_world *w) {
+static inline int lead_zones_out(fray_world *w) {
   (void)w; /* bodies pin vertices behind a pass */
   return 0;
 }

@@ -43,7 +43,7 @@ static inline int pair_touches(fray_world *w, const self_pair *pair) {
   return yarn_collision_touches(w, pair);
 }
 
-static inline int zones_lead_out(fray_world *w) { return impact_zones_lead_out(w); }
+static inline int lead_zones_out(fray_world *w) { return impact_zones_lead_out(w); }
 
 #include "rt/self_collision/collision_passes.inl.h"
 
