@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Files: what the compilers are (COMMAND VERSION...), the budgets, the measured figures; all lines of
-# `prefix`. Lines out: a mark (ok, grown, shrunk, over, gone, new, other) and then what to print.
+# `prefix`. Lines out: a mark (ok, grown, shrunk, over, gone, new, other, unnamed) and then what to print.
 function change(now, then) {
   if (then == 0) return now == 0 ? 0 : 100
   return (now - then) * 100 / then
@@ -24,7 +24,8 @@ END {
     if (asked[name] != "" && was_measured && now > asked[name])
       row("over", name, now " of at most " asked[name] " asked")
     if (version[by[name]] != wanted[by[name]]) {
-      if (!(by[name] in told)) print "other", wanted[by[name]]
+      if (!(by[name] in told) && wanted[by[name]] != "") print "other", wanted[by[name]]
+      if (!(by[name] in told) && wanted[by[name]] == "") print "unnamed", "no line 'compiler " by[name] "'"
       told[by[name]] = 1
     } else if (!was_measured) {
       row("gone", name, "was not measured, the budget is " budget[name])

@@ -29,7 +29,9 @@ if [ "${3:-}" = update ]; then
   } >"$work/new"
   mv "$work/new" "$budgets"
   echo "$budgets: $(awk -v p="$prefix" 'index($1, p) == 1' "$budgets" | wc -l) figures of $prefix written"
-  exit 0
+  awk -v p="$prefix" 'index($1, p) == 1 && $4 != "" && $2 > $4 { print $1 " " $2 ", at most " $4 " are asked"; over = 1 } END { exit over }' \
+    "$budgets"
+  exit
 fi
 
 if [ "${PART:-1/1}" != 1/1 ]; then

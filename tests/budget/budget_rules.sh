@@ -46,7 +46,19 @@ ci=true FRAY_LOCAL=0
 export FRAY_LOCAL
 try "another compiler where CI=true" 1 "not compared: other compiler" "a.one 1000 $compiler"
 
-BUILD=$FRAY_BUILD/budget_rules BUDGETS=$work/budgets sh tests/budget/budget.sh a. "$work/measured" update >/dev/null
+ci=false
+sed -i '/^compiler /d' "$work/budgets"
+try "a compiler without a line" 1 "FAILED budget, unnamed: no line 'compiler" "a.one 1000 $compiler"
+
+update() { BUILD=$FRAY_BUILD/budget_rules BUDGETS=$work/budgets sh tests/budget/budget.sh a. "$work/measured" update; }
+printf 'a.one 2001 %s\n' "$compiler" >"$work/measured"
+if update >"$work/said" 2>&1 || ! grep -q "a.one 2001, at most 2000 are asked" "$work/said"; then
+  fail "update, over what is asked: $(cat "$work/said")"
+else
+  pass
+fi
+printf 'a.one 1000 %s\n' "$compiler" >"$work/measured"
+update >/dev/null
 if grep -qx "a.one 1000 $compiler 2000" "$work/budgets" && grep -qx "b.two 7 $compiler" "$work/budgets" &&
   grep -qx "compiler $compiler a compiler, version 2" "$work/budgets"; then
   pass

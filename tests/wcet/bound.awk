@@ -106,9 +106,11 @@ function rounds(what) {
 function least(a, b) { return a < b ? a : b }
 # contacts of elastic yarns act in each elastic step; they are a stage of their own there, too
 function is_inner(stage, loop) { return stage == "yarn_stretch_run" && (loop == "slips" || loop == "spares") }
+# only worlds with such yarns call these
+function is_called(stage) {
+  return !(stage == "yarn_stretch_run" && stretches == 0 || stage == "yarn_slip_apply" && yarns == 0)
+}
 function times(stage) {
-  # only worlds with such yarns call these
-  if (stage == "yarn_stretch_run" && stretches == 0 || stage == "yarn_slip_apply" && yarns == 0) return 0
   if (stage == "yarn_slip_apply" && stretches != 0) return substeps * inner_steps
   if (stage == "bodies_update_velocity" && stretches != 0) return substeps * (1 + inner_steps)
   if (stage == "bend_shear_apply" || stage == "contact_gather") return pulls
@@ -139,11 +141,11 @@ $1 == "limits" {
   if (triangles != 0) most["tear_tests"] = most["cuts"] = 0 # those of rows
   depth = rises = 0
   for (room = 2; room <= cuts_max; room *= 2) { depth += room < cuts_max; rises += cuts_max - room + 1 }
-  for (k = 1; k <= stage_count; k++) bound[scene, name[k]] = fixed[name[k]] * times(name[k])
+  for (k = 1; k <= stage_count; k++) bound[scene, name[k]] = fixed[name[k]] * times(name[k]) * is_called(name[k])
   event_bound[scene] = 0
   for (k = 1; k <= stage_count; k++) if (event_kind[name[k]] == "fixed") event_bound[scene] += fixed[name[k]]
   for (k = 1; k <= loops; k++) {
-    cost = loop_cost[k] * rounds(loop_name[k]) * !is_inner(loop_stage[k], loop_name[k])
+    cost = loop_cost[k] * rounds(loop_name[k]) * !is_inner(loop_stage[k], loop_name[k]) * is_called(loop_stage[k])
     bound[scene, loop_stage[k]] += cost
     if (loop_name[k] == "contacts" || loop_name[k] == "cuts" || loop_name[k] ~ /_steps$/ && event_kind[loop_stage[k]] == "steps" || loop_name[k] == "splits")
       event_bound[scene] += cost
