@@ -28,6 +28,7 @@ static int without_collider(const scene *s) { return !has_body(s, collides_with_
 static int without_wind(const scene *s) { return !s->has_wind; }
 static int without_gather(const scene *s) { return is_zero(s->woven.gather); }
 static int without_stretch(const scene *s) { return is_zero(s->woven.stretch); }
+static int with_stretch(const scene *s) { return s->woven.present && !without_stretch(s); }
 static int without_self_collision(const scene *s) { return !s->woven.self_collision; }
 static int without_yarns(const scene *s) { return s->woven.present && s->woven.yarns == 0; }
 static int is_tear_off(const scene *s) { return s->woven.present && !s->woven.tearing; }
@@ -80,6 +81,7 @@ static const struct {
     {BLOCK_SCENE, "settle", is_still,
      "nothing moves the cloth: no gravity, wind, load, body, gather or yarns"},
     {BLOCK_SCENE, "max_rest_strain", is_nothing_searched, "neither 'substeps' nor 'iterations' is auto"},
+    {BLOCK_SCENE, "iterations", with_stretch, "yarns with a 'stretch' are not projected"},
     {BLOCK_SCENE, "hands", without_hand, "no body has 'move hand left' or 'move hand right'"},
     {BLOCK_HANDS, "energy_reserve", without_handle, "no body of a hand has a 'mass'"},
     {BLOCK_HANDS, "delay", without_handle, "no body of a hand has a 'mass'"},
