@@ -181,7 +181,7 @@ typedef struct {
   uint32_t mesh_pins;         /* particles returned to the start of the substep, beside a body */
   uint32_t self_box_tests;    /* boxes tested. Of a membrane this and self_ccd depend on a cache, no state */
   uint32_t self_pairs;        /* segments, or a vertex and a triangle, or two edges, that may meet */
-  uint32_t self_ccd;          /* continuous collision tests of these */
+  uint32_t self_ccd;          /* continuous collision tests of these, and tests of yarns at bodies */
   uint32_t self_merged;       /* particles merged into impact zones */
   uint32_t blade_cuts;        /* of the tears, those made by blades */
   uint32_t contact_constraints; /* of a membrane, with bodies and itself: constraints x elastic steps */

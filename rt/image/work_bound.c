@@ -56,11 +56,11 @@ static void add_yarn_collision(const fray_world *w, fray_work *most) {
   const uint32_t substeps = (uint32_t)w->params->substeps;
   const uint64_t sweeps = (uint64_t)SELF_FOLLOWS * self_follow_sweeps(substeps);
   const uint64_t followed = sweeps * (most->projections / substeps);
-  const uint64_t looks = SELF_PASSES * (SELF_ROUNDS + SELF_MERGES + 3u) + sweeps; /* at bodies */
-  most->contacts = saturated_sum(most->contacts, saturated_product(w->capacity[POOL_CONTACTS], looks));
   if (!world_has_elastic_yarns(w))
     most->projections = saturated_sum(most->projections, saturated_product(followed, 1));
   most->self_ccd = self_ccd_most(pairs, w->capacity[POOL_YARN_PAIRS], 2u * crossings * SELF_WITHOUT_ROOM);
+  const uint64_t looks = SELF_PASSES * (SELF_ROUNDS + SELF_MERGES + 3u) + sweeps; /* at bodies */
+  most->self_ccd = saturated_sum(most->self_ccd, saturated_product(w->capacity[POOL_CONTACTS], looks));
   most->self_merged = saturated_product(w->capacity[POOL_PARTICLES], SELF_PASSES * (SELF_MERGES + 2u) + 1u);
 }
 

@@ -43,7 +43,7 @@ static int lead_out(fray_world *w, const contact *c) {
   const vec3 at = vec_add_clamped(world_position(w, c->particle), sum_of(z), FX_EDGE_MAX);
   vec3 normal;
   if (vec_is_equal(at, end)) return 0;
-  ++w->work.contacts;
+  ++w->work.self_ccd;
   const int32_t before = depth_of(w, c, end, skin, &normal);
   const int32_t depth = depth_of(w, c, at, skin, &normal);
   if (depth <= before) return 0;
@@ -92,7 +92,7 @@ static void stop(fray_world *w, const contact *c) {
   self_zone *z = zone_of(w, c);
   vec3 normal;
   if (z->members < 2 || z->held != SELF_NONE) return;
-  ++w->work.contacts;
+  ++w->work.self_ccd;
   if (depth_of(w, c, world_position(w, c->particle), skin, &normal) <= 0) return;
   const vec3 velocity = vec_add_clamped(world_velocity(w, c->particle), sum_of(z), INT32_MAX);
   const vec3 relative = vec_sub_saturated(velocity, vec_of(w->rigid.states[b].velocity));
