@@ -87,12 +87,14 @@ static void find_primitive(fray_world *w, const contact *k) {
 
 /* ---- meshes ---- */
 
-/* Of elastic yarns. */
-static void add_plane(fray_world *w, const collider *t, uint32_t p, vec3 out, int64_t gap) {
-  if (collider_add_contact(w, t, p, out))
+/* Of elastic yarns. What has no room beside the first is left to the tests of paths. */
+static int add_plane(fray_world *w, const collider *t, uint32_t p, vec3 out, int64_t gap, int is_first) {
+  const int has_room = collider_add_contact(w, t, p, out);
+  if (has_room)
     w->contact.list[w->contact.count - 1u].plane_gap = contact_plane_gap(gap);
-  else
+  else if (is_first)
     contact_constraint_miss(w);
+  return has_room;
 }
 
 static void find_vertex(fray_world *w, const collider *t, uint32_t p, ccd_path path, int32_t room) {
@@ -108,8 +110,8 @@ static void find_vertex(fray_world *w, const collider *t, uint32_t p, ccd_path p
         (int64_t)vec_dot_unit(vec_sub(begin, path.end), push.out) + room - push.depth;
     if (world_has_membrane(w))
       contact_constraint_add_vertex(w, t->body, CONSTRAINT_FLAT, p, push.out, gap);
-    else
-      add_plane(w, t, p, push.out, gap);
+    else if (!add_plane(w, t, p, push.out, gap, round == 0))
+      return;
     path.end = collider_pushed(path.end, push.out, push.depth);
   }
 }

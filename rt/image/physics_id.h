@@ -5,6 +5,6 @@
 #ifndef FRAY_IMAGE_PHYSICS_ID_H
 #define FRAY_IMAGE_PHYSICS_ID_H
 
-#define PHYSICS_ID 0x6ABA0924u
+#define PHYSICS_ID 0x805B97FDu
 
 #endif

@@ -59,6 +59,7 @@ static int lead_out(fray_world *w, const contact *c) {
 int impact_zones_lead_out(fray_world *w) {
   FRAY_ASSERT(world_has_yarn_collision(w) && w->contact.gathered <= w->contact.count);
   int led = 0;
+  if (w->contact.gathered == 0) return 0;
   clear_sums(w);
   for (uint32_t p = 0; p < w->p.count; ++p) w->self.zones[p].held = SELF_NONE;
   for (uint32_t p = 0; p < particles_attached(w); ++p) w->self.zones[impact_zones_of(w, p)].held = p;
@@ -105,7 +106,7 @@ static void stop(fray_world *w, const contact *c) {
 }
 
 void impact_zones_stop(fray_world *w) {
-  if (!w->self.merged) return;
+  if (!w->self.merged || w->contact.gathered == 0) return;
   clear_sums(w);
   for (uint32_t n = 0; n < w->contact.gathered; ++n) stop(w, &w->contact.list[n]);
   for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
