@@ -37,6 +37,7 @@ typedef struct {
   double turned, begun;       /* energy turned over, and what of it was there, J */
   double rounding;            /* what rounding may have made, J */
   double held;                /* by projected links when it began, and since then for springs, J */
+  double pressing;            /* net of what presses projected yarns together, so far; units */
   double fastest_body, reach; /* m/s; how far a particle came, m */
   double loaded;              /* what loads gave the vertex that they move most, m/s */
   double cloth_speed;         /* of waves at the strain of a tear, m/s */
@@ -240,14 +241,26 @@ static double net_of(const judged *j, const fray_energy_account *a, uint32_t n) 
 /* A membrane's strain beyond the largest has a force and no energy, and a body that is driven through what another
  * holds leaves it behind: what steps, or contact, make in such a tick says nothing. Every other stage, and every
  * other tick, is judged as ever. */
-static double excused_net(judged *j, uint32_t n, double net, uint32_t faults) {
+static double excused_net(judged *j, uint32_t n, double net, double taken, uint32_t faults) {
   const int is_membrane = world_has_membrane(j->watched.w);
   const uint32_t excuse = n == FRAY_ENERGY_STEPS && is_membrane ? FRAY_FAULT_OVERSTRETCHED
                           : n == FRAY_ENERGY_CONTACT            ? FRAY_FAULT_CONTACT_UNRESOLVED
                                                                 : 0u;
-  if ((faults & excuse) != 0) j->excused[n] += fmax(0, net - j->net[n]);
+  const double made = fmax(0, net - j->net[n]);
+  if ((faults & excuse) != 0) j->excused[n] += made;
+  if (n == FRAY_ENERGY_SELF_COLLISION) j->excused[n] += fmin(made, taken);
   j->net[n] = net;
   return net - j->excused[n];
+}
+
+/* By what presses projected yarns together in the tick, where pushes part them (README.md, "Made"). */
+static double taken_by_pressing(judged *j, const fray_energy_account *a) {
+  if (!world_is_projected(j->watched.w)) return 0;
+  const double pressing =
+      sum_of(a, FRAY_ENERGY_LIMITS) + sum_of(a, FRAY_ENERGY_CONTACT) + sum_of(a, FRAY_ENERGY_STEPS);
+  const double taken = fmax(0, j->pressing - pressing);
+  j->pressing = pressing;
+  return taken;
 }
 
 /* Of yarns, in a substep. */
@@ -289,8 +302,9 @@ static void judge_energy(judged *j, uint32_t tick, uint32_t faults, judge_result
   const double rounds = rounded_steps(j->watched.w);
   j->rounding += f->substeps * (sqrt(2 * fmax(moving, 0) * j->mass) * rounds * speed_step +
                                 fmax(pow(moves, 3), pow(rounds, 2)) * j->mass * speed_step * speed_step);
+  const double taken = taken_by_pressing(j, &a) * unit;
   for (uint32_t n = 0; n < FRAY_ENERGY_STAGES; ++n) {
-    const double net = excused_net(j, n, net_of(j, &a, n) * unit, faults);
+    const double net = excused_net(j, n, net_of(j, &a, n) * unit, taken, faults);
     const double held = n == FRAY_ENERGY_LIMITS || n == FRAY_ENERGY_CONTACT ? j->held : 0;
     const double allowed = 0.01 * j->turned + j->rounding + held;
     if (net > allowed) find(r, JUDGE_MADE + n, tick, net, allowed);
