@@ -263,15 +263,20 @@ int draft_yarn_collision(const draft *d, self_params *k) {
   return 1;
 }
 
-/* A chain of springs k between masses m vibrates at up to 2 root(k / m), and explicit pulls with a time T between
- * them bear 2 / T. A yarn of a split crossing has half of its mass. */
-static int bear_spring(const draft *d, const char *key, exact k) {
+/* A chain of springs k between masses m vibrates at up to 2 root(k / m). Explicit pulls with a time T between
+ * them bear 2 / T of a line; of bends that turn, springs of two directions add up: half of it made none. A
+ * yarn of a split crossing has half of its mass. A default is made smaller. */
+static int bear_spring(const draft *d, const char *key, int is_given, exact *k) {
   const int is_split = d->scene->woven.yarns != 0;
   const int64_t rate = (int64_t)d->scene->rate_hz * (scene_has_stretch(d->scene) ? d->substeps : 1);
   const exact lightest = exact_mul(d->particle_mass, exact_make(1, is_split ? 2 : 1));
-  const exact most = exact_mul(lightest, exact_make(rate * rate, 1));
+  const exact most = exact_mul(lightest, exact_make(rate * rate, 4));
   char most_text[SOURCE_VALUE];
-  if (exact_compare(k, most) <= 0) return 1;
+  if (exact_compare(*k, most) <= 0) return 1;
+  if (!is_given) {
+    *k = most;
+    return 1;
+  }
   return draft_expected(d, BLOCK_CLOTH, key,
                         "at most %s: what acts %lld times a second on %s of a crossing would make energy",
                         draft_value(d, BLOCK_CLOTH, key, UNIT_STIFFNESS, most, -1, most_text), (long long)rate,
@@ -329,21 +334,23 @@ static int shear_lock(const draft *d, link_class *locks) {
 
 int draft_classes(const draft *d, link_class *links, bend_shear_class *springs) {
   int32_t push = 0;
-  if (!push_share(d, &push) || !bear_spring(d, "bend", d->scene->woven.bend) ||
-      !bear_spring(d, "shear", d->scene->woven.shear))
+  exact bend = d->scene->woven.bend;
+  exact shear = d->scene->woven.shear;
+  if (!push_share(d, &push) || !bear_spring(d, "bend", d->scene->woven.has_bend, &bend) ||
+      !bear_spring(d, "shear", d->scene->woven.has_shear, &shear))
     return 0;
   for (uint32_t axis = 0; axis < 2; ++axis) {
     links[CLASS_WEFT + axis] = link_class_make(d->spacing[axis], push);
-    if (!make_spring(d, "bend", d->scene->woven.bend, 2 * d->spacing[axis], 0, &springs[1 + axis]))
+    if (!make_spring(d, "bend", bend, 2 * d->spacing[axis], 0, &springs[1 + axis]))
       return 0;
   }
   const uint64_t diagonal2 = (uint64_t)((int64_t)d->spacing[0] * d->spacing[0]) +
                              (uint64_t)((int64_t)d->spacing[1] * d->spacing[1]);
   const int32_t diagonal = (int32_t)exact_sqrt(diagonal2);
   if (!shear_lock(d, &links[CLASS_LOCK]) ||
-      !make_spring(d, "shear", d->scene->woven.shear, diagonal, 1, &springs[CLASS_SHEAR]))
+      !make_spring(d, "shear", shear, diagonal, 1, &springs[CLASS_SHEAR]))
     return 0;
   return d->scene->woven.yarns == 0 ||
-         make_spring(d, "shear", exact_div(d->scene->woven.shear, exact_make(2, 1)), diagonal, 1,
+         make_spring(d, "shear", exact_div(shear, exact_make(2, 1)), diagonal, 1,
                      &springs[CLASS_SHEAR_HALF]);
 }

@@ -142,7 +142,8 @@ typedef struct {
     char weave_name[SCENE_NAME];
     exact density;        /* g/cm2, default 0.25 */
     exact thickness;      /* cm, default 0.01 */
-    exact bend, shear;    /* g/s2, defaults 5 and 2 */
+    exact bend, shear;    /* g/s2, defaults 5 and 2, or the most that a tick bears */
+    int has_bend, has_shear;
     exact shear_lock;     /* tan of half the angle of shear at which yarns jam; 0 (default): none */
     exact structural; /* g/s2, default 6000; projection keeps the length, this is what pressed yarns push with
                        */

@@ -162,6 +162,8 @@ int woven_block_read(parser *p, const block_key *key, void *target) {
   out->woven.present = 1;
   block_open(p, BLOCK_CLOTH);
   if (!block_read(p, &woven_rule, "the woven cloth", opened, target, &seen)) return 0;
+  out->woven.has_bend = block_has(&woven_rule, &seen, "bend");
+  out->woven.has_shear = block_has(&woven_rule, &seen, "shear");
   out->woven.has_split_strain = block_has(&woven_rule, &seen, "split_strain");
   out->woven.has_self_thickness = block_has(&woven_rule, &seen, "self_thickness");
   return out->woven.warps * out->woven.wefts <= CROSSINGS_MAX ||
