@@ -134,7 +134,7 @@ typedef enum { FRAY_READY = 1, FRAY_OPERATIONAL = 2, FRAY_SAFE = 3 } fray_state;
     "Raise `self_collision_pairs` in the limits of the scene; if the bit comes back, the cloth is too " \
     "crowded or moves too fast.") \
   X(FRAY_FAULT_CONTACT_UNRESOLVED, 9, "ContactUnresolved", \
-    "Cloth between bodies has no free place, or no correction kept it out of them.", \
+    "Cloth between bodies has no free place, no correction kept it out, or drawn links let it pass.", \
     "Leave room for the cloth between bodies, and move them more slowly.") \
   X(FRAY_FAULT_MESH_QUERY_BUDGET, 10, "MeshQueryBudget", \
     "More of a mesh was near a path than a test may take; yarns kept their place, membranes pass the rest.", \
@@ -143,8 +143,8 @@ typedef enum { FRAY_READY = 1, FRAY_OPERATIONAL = 2, FRAY_SAFE = 3 } fray_state;
     "No spare triangle is left: a membrane does not tear or is not cut there.", \
     "Raise `spare_triangles` in the limits of the scene.") \
   X(FRAY_FAULT_OVERSTRETCHED, 12, "Overstretched", \
-    "A membrane was drawn to three times its length, or a yarn to the largest force of a step.", \
-    "Give the cloth a strain limit or a strength, draw it less far, or take more substeps.") \
+    "Cloth was drawn to three times its length, or a yarn to the largest force of a step.", \
+    "Give the cloth a strain limit or a strength, a lighter body, or more substeps; draw it less far.") \
   X(FRAY_FAULT_SPEED_LIMIT, 13, "SpeedLimit", "A vertex came to the limit of speed, 4 lu a substep.", \
     "Take lighter loads or heavier cloth, a higher rate or more substeps.")
 

@@ -16,7 +16,8 @@ enum {
 };
 
 /* Bits of contact.side_mask: sides of the collider's box beyond which the whole path of a particle
- * stays. What several particles have in common keeps everything between them away as well. */
+ * stays. What several particles have in common keeps everything between them away as well. CONTACT_RELEASED
+ * stays for the tick. */
 enum { COLLIDER_SIDES = 63, COLLIDER_PINNED = 64 };
 
 /* A body in this substep. */
@@ -100,9 +101,10 @@ static inline int collider_is_far(vec3 v) {
 /* Sides of the collider's box, widened by `skin`, beyond which the whole path stays, a bit each; 0: it
  * may be near. */
 uint8_t collider_sides(const collider *t, const ccd_path *path, int32_t skin);
-/* The same for side_mask: vertices that let the blade pass are nowhere near. */
+/* The same for side_mask: vertices that let the blade pass are nowhere near, nor is what bodies let pass. */
 static inline uint8_t collider_mask_of(const fray_world *w, const collider *t, uint32_t p,
                                        const ccd_path *path, int32_t skin) {
+  if (world_is_released(w, p)) return CONTACT_RELEASED | COLLIDER_SIDES;
   return collider_passes_vertex(w, t, p) ? (uint8_t)COLLIDER_SIDES : collider_sides(t, path, skin);
 }
 

@@ -2,9 +2,10 @@
 /* The guard behind the constraints of a membrane: a vertex that is inside a primitive by the end of
  * a substep, and deeper than when it began, is put back to that depth and goes on as the body does.
  * It is for what got fast within the substep; a move of positions beside the elastic steps stores
- * energy, so it must be rare. */
+ * energy, so it must be rare. Where another body holds it there is no free place: a fault. */
 #include "rt/contact/constraints.h"
 #include "rt/contact/shape.h"
+#include "rt/elastic/step_zone.h"
 #include "rt/integrate/integrate.h"
 #include "rt/state/vertex_mass.h"
 
@@ -21,6 +22,7 @@ static void guard_contact(fray_world *w, const contact *c, const vertex_mass_sca
   const rigid_body *s = &w->rigid.bodies[c->body];
   const elastic_body *m = &w->membrane.bodies[c->body];
   const int32_t skin = w->params->thickness;
+  const uint32_t held = step_body_of(w, c->particle);
   int32_t *at = w->membrane.positions[c->particle].at;
   const vec3 start = vec_sub(world_position(w, c->particle), m->start);
   vec3 normal, unused;
@@ -29,6 +31,10 @@ static void guard_contact(fray_world *w, const contact *c, const vertex_mass_sca
   if (depth <= skin) return;
   const int32_t allowed = fx_max(skin, shape_depth_at(s, start, skin, &unused));
   if (depth <= allowed) return;
+  if (held != STEP_NO_BODY && held != c->body) {
+    world_fault(w, FRAY_FAULT_CONTACT_UNRESOLVED);
+    return;
+  }
   const vec3 out =
       vec_scale_unit(normal, fx_saturate((int64_t)(depth - allowed) * (1 << FX_SUB_BITS)));
   at[0] = fx_wrap_add(at[0], out.x);

@@ -32,7 +32,10 @@ void contact_planes_push(fray_world *w, uint32_t b) {
     if (height >= 0) continue;
     const vec3 out = vec_scale_unit(shape_plane_normal(&w->rigid.bodies[g]),
                                     (int32_t)fx_clamp64(-height, 0, FX_WORLD_MAX));
-    vec_store(own->position, vec_clamp(vec_add(vec_of(own->position), out), FX_WORLD_MAX));
+    const vec3 at = vec_clamp(vec_add(vec_of(own->position), out), FX_WORLD_MAX);
+    vec3 *moved = &w->rigid.motion[b].moved;
+    *moved = vec_add(*moved, vec_sub(at, vec_of(own->position)));
+    vec_store(own->position, at);
     vec_store(own->velocity, vec_make(0, 0, 0));
   }
 }

@@ -12,6 +12,7 @@
 #include "rt/base/coulomb.h"
 #include "rt/contact/contact.h"
 #include "rt/contact/shape.h"
+#include "rt/elastic/step_impulse.h"
 #include "rt/simd/simd.h"
 #include "rt/state/crossing.h"
 #include "rt/state/rigid_mesh.h"
@@ -38,6 +39,10 @@ __attribute__((noinline)) static int add_contact(fray_world *w, uint32_t b, uint
   if (w->contact.count == w->capacity[POOL_CONTACTS]) {
     world_fault(w, FRAY_FAULT_CONTACTS_FULL);
     return 0;
+  }
+  if (world_is_released(w, p)) {
+    world_fault(w, FRAY_FAULT_CONTACT_UNRESOLVED);
+    return 1;
   }
   contact *c = &w->contact.list[w->contact.count++];
   c->particle = p;
@@ -103,6 +108,7 @@ static void gather_body(fray_world *w, uint32_t b) {
 void contact_gather(fray_world *w) {
   FRAY_ASSERT(particles_attached(w) <= w->p.count && w->p.count <= w->capacity[POOL_PARTICLES]);
   w->contact.count = 0;
+  w->contact.rise = fx_round(step_rise_of(w), FX_SUB_BITS);
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
     if (body_is_primitive(&w->rigid.bodies[b])) gather_body(w, b);
   w->contact.gathered = w->contact.count;
@@ -125,7 +131,7 @@ typedef struct {
   const rigid_body *shape;
   vec3 at, moved;
   uint64_t apart; /* see shape_apart_squared() */
-  int32_t skin;
+  int32_t skin, rise;
   int faces_up;   /* a plane with the normal (0, 1, 0) */
 } contact_body;
 
@@ -138,17 +144,25 @@ static void begin_body(const fray_world *w, uint32_t b, contact_body *e) {
   e->at = vec_of(w->rigid.states[b].position);
   e->moved = w->rigid.motion[b].moved;
   e->skin = w->params->thickness;
+  e->rise = w->contact.rise;
   e->apart = FX_NARROW ? 0 : shape_apart_squared(s, e->skin);
   e->faces_up = !FX_NARROW && shape_faces_up(s);
 }
 
-/* What the particle moved in this substep relative to the body: step, projections, and the push `out`. Of a
- * body that leaps through the whole world it goes round, here and in the twin: it is only where friction
- * points, and that is no longer than the depth allows. */
-static inline vec3 moved_of(const fray_world *w, const contact_body *e, uint32_t p, vec3 out) {
+/* What the particle moved in this substep relative to the body: step and projections. Of a body that leaps
+ * through the whole world it goes round, here and in the twin: that only is where friction points, and how
+ * much of the depth a push takes. */
+static inline vec3 moved_of(const fray_world *w, const contact_body *e, uint32_t p) {
   const vec3 step = vec_round(world_velocity(w, p), FX_SUB_BITS);
   const vec3 since = vec_wrap_sub(world_position(w, p), vec_at(w->p.qx, w->p.qy, w->p.qz, p));
-  return vec_wrap_sub(vec_wrap_add(vec_wrap_add(step, since), out), e->moved);
+  return vec_wrap_sub(vec_wrap_add(step, since), e->moved);
+}
+
+/* All of the depth that the substep can have made; what was deep before rises slowly, else it would be thrown
+ * out. */
+static inline int32_t depth_pushed(const contact_body *e, int32_t depth, vec3 moved) {
+  const uint32_t most = contact_depth_made(moved.x, moved.y, moved.z) + (uint32_t)e->rise;
+  return (uint32_t)depth > most ? (int32_t)most : depth;
 }
 
 static inline void add_push(fray_world *w, const contact *c, vec3 push) {
@@ -170,11 +184,13 @@ __attribute__((always_inline)) static inline void push_out(fray_world *w, const 
   }
   c->touching = is_ground(e) ? CONTACT_GROUND : CONTACT_TOUCHES;
 
-  const vec3 out = is_ground(e) ? vec_make(0, depth, 0) : vec_scale_unit(c->normal, depth);
-  const vec3 moved = moved_of(w, e, p, out);
+  const vec3 before = moved_of(w, e, p);
+  const int32_t pushed = depth_pushed(e, depth, before);
+  const vec3 out = is_ground(e) ? vec_make(0, pushed, 0) : vec_scale_unit(c->normal, pushed);
+  const vec3 moved = vec_wrap_add(before, out);
   const vec3 along = is_ground(e) ? vec_make(0, fx_max(moved.y, -INT32_MAX), 0)
                                   : vec_scale_unit(c->normal, vec_dot_unit(moved, c->normal));
-  const vec3 slip = coulomb_limited(vec_wrap_sub(moved, along), depth, e->shape->friction);
+  const vec3 slip = coulomb_limited(vec_wrap_sub(moved, along), pushed, e->shape->friction);
   const vec3 wanted = vec_wrap_sub(out, slip);
 
   const vec3 push = vec_make(move_within(w, &w->p.x[p], wanted.x), move_within(w, &w->p.y[p], wanted.y),
@@ -186,8 +202,8 @@ __attribute__((always_inline)) static inline void push_out(fray_world *w, const 
 static uint32_t solve_ground(fray_world *w, const contact_body *e, uint32_t b, uint32_t first, uint32_t end) {
   FRAY_ASSERT(first <= end && end <= w->contact.count);
   ground_contact_view v = {{w->p.x, w->p.y, w->p.z}, {w->p.vx, w->p.vy, w->p.vz}, {w->p.qx, w->p.qy, w->p.qz},
-                   w->contact.list, e->moved, e->at.y, e->skin, e->shape->friction, w->woven.crossing_state,
-                   w->woven.crossing_of, {0, 0, 0}, 0};
+                   w->contact.list, e->moved, e->at.y, e->skin, e->rise, e->shape->friction,
+                   w->woven.crossing_state, w->woven.crossing_of, {0, 0, 0}, 0};
   const uint32_t taken = simd_ground_contact(w->kernel, &v, first, end);
   if (taken == 0) return 0;
   if (v.held_back != 0) world_fault(w, FRAY_FAULT_OUT_OF_WORLD);

@@ -14,7 +14,8 @@
  * has all of the triangle on one side and both ends of the path on the other. A path that needs no push
  * crosses nothing. So what begins on one side of a triangle never ends on the other. Where several meshes
  * move, each may push a particle through another one: that is tested twice more; then the free bodies
- * that take part are stopped and everything is done again; what is left is reported. */
+ * that take part are stopped and everything is done again; what is left is reported. Released particles
+ * pass (woven/overdrawn_links.c). */
 #include "rt/contact/contact.h"
 #include "rt/contact/contact_triangles.h"
 #include "rt/contact/mesh_push.h"
@@ -91,6 +92,8 @@ static void push_all(fray_world *w, const collider *t, uint32_t *budget) {
   const int32_t skin = collider_skin(w);
   for (uint32_t p = 0; p < end; ++p) {
     const ccd_path path = collider_path(w, t, p);
+    if (world_is_released(w, p) && collider_sides(t, &path, skin) == 0)
+      world_fault(w, FRAY_FAULT_CONTACT_UNRESOLVED);
     w->contact.side_mask[p] = collider_mask_of(w, t, p, &path, skin);
     if (w->contact.side_mask[p] != 0 || p < attached) continue;
     if (*budget == 0 || collider_is_far(path.begin) || collider_is_far(path.end)) {

@@ -113,7 +113,9 @@ FX_WRAPS static inline void ground_contact_lanes_load(const ground_contact_view 
   }
   for (uint32_t k = 0; k < whole; ++k) {
     const uint32_t deep = (uint32_t)v->skin - (uint32_t)fx_wrap_sub(s->at[1][k], v->height);
-    const uint32_t depth = k >= count ? 0 : deep > INT32_MAX ? INT32_MAX : deep;
+    const uint32_t most =
+        contact_depth_made(s->slip[0][k], s->slip[1][k], s->slip[2][k]) + (uint32_t)v->rise;
+    const uint32_t depth = k >= count ? 0 : deep > most ? most : deep;
     const int32_t moved = fx_wrap_add(s->slip[1][k], (int32_t)depth);
     const uint64_t limit = (uint64_t)depth * (uint32_t)v->friction >> 16;
     s->out[0][k] = s->out[2][k] = 0;

@@ -15,6 +15,7 @@ typedef struct {
   contact *contacts;           /* no two of a run have the same particle; `touching` is written */
   vec3 body_moved;             /* in this substep, Q24 lu */
   int32_t height, skin;        /* of the plane, and how far above it particles touch: Q24 lu */
+  int32_t rise;                /* out of an overlap at most, Q24 lu, not negative */
   int32_t friction;            /* Q16, not negative */
   const uint8_t
       *crossing_state;        /* one for each crossing: fray_crossing_state; NULL in worlds without yarns */

@@ -7,6 +7,18 @@
 
 enum { CONTACT_APART, CONTACT_TOUCHES, CONTACT_GROUND /* the normal is (0, 1, 0) and is not stored */ };
 
+/* How much deeper in a body a particle may be behind a motion relative to it, at most: its length, from its
+ * greatest component. */
+static inline uint32_t contact_depth_made(int32_t x, int32_t y, int32_t z) {
+  uint32_t most = fx_magnitude(x);
+  if (fx_magnitude(y) > most) most = fx_magnitude(y);
+  if (fx_magnitude(z) > most) most = fx_magnitude(z);
+  return most < 1u << 30 ? 2u * most : 1u << 31;
+}
+
+/* In contact.side_mask: bodies let the particle pass in this tick. */
+enum { CONTACT_RELEASED = 128 };
+
 typedef struct {
   uint32_t particle;
   uint16_t body;

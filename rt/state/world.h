@@ -191,7 +191,8 @@ typedef struct {
   uint32_t count;
   uint32_t gathered;               /* contacts with other bodies than meshes */
   int32_t *start_x, *start_y, *start_z; /* at the start of the substep, Q24 lu */
-  uint8_t *side_mask;              /* particle -> sides of a collider's box, see contact/collider.h */
+  int32_t rise;                    /* out of an overlap, in a substep at most; Q24 lu */
+  uint8_t *side_mask;              /* particle -> CONTACT_RELEASED, sides of a collider's box (collider.h) */
   index_t *near_triangles;         /* cloth triangles near the mesh */
 } contact_state;
 
@@ -381,6 +382,10 @@ static inline int world_has_elastic_yarns(const fray_world *w) {
 /* Links move positions, once a substep. */
 static inline int world_is_projected(const fray_world *w) {
   return !world_has_membrane(w) && !world_has_elastic_yarns(w);
+}
+/* Bodies let the particle pass in this tick. */
+static inline int world_is_released(const fray_world *w, uint32_t p) {
+  return world_is_projected(w) && (w->contact.side_mask[p] & CONTACT_RELEASED) != 0;
 }
 static inline int world_has_rigid_meshes(const fray_world *w) {
   return FRAY_MESHES && w->features.rigid_meshes;

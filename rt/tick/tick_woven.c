@@ -25,6 +25,10 @@ static void tear(fray_world *w) {
 void tick_woven(fray_world *w) {
   const uint32_t substeps = (uint32_t)w->params->substeps;
   FRAY_ASSERT(!world_has_membrane(w));
+  if (world_is_projected(w)) {
+    overdrawn_links_apply(w);
+    energy_stage(w, FRAY_ENERGY_LIMITS);
+  }
   damp_apply(w);       /* 3 */
   energy_stage(w, FRAY_ENERGY_DRAG);
   if (world_is_projected(w)) {

@@ -36,12 +36,6 @@ static int is_serial(const fray_world *w) {
          world_has_shear_lock(w) || world_has_rigid_meshes(w) || world_has_yarn_collision(w);
 }
 
-static int has_surface(const fray_world *w) {
-  for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
-    if (w->rigid.bodies[b].shape != FRAY_ANCHOR) return 1;
-  return 0;
-}
-
 uint32_t fray_parallel_useful(const fray_world *w, uint32_t workers_max) {
   FRAY_ASSERT(w != NULL);
   const params *p = w->params;
@@ -89,7 +83,7 @@ fray_parallel *fray_parallel_open(fray_world *w, uint32_t workers, void *memory,
   par->world = w;
   par->workers = workers;
   par->passes = (uint32_t)w->params->substeps * (uint32_t)w->params->iterations;
-  par->gathers = has_surface(w);
+  par->gathers = overdrawn_links_may_be(w);
   par->block_count = is_serial(w) ? 0 : block_plan_make(w, par->blocks, par->scratch);
   if (par->block_count < BLOCKS_MIN) par->block_count = 0;
   schedule_make(par);
@@ -200,6 +194,7 @@ static void index_contacts(fray_parallel *par) {
 }
 
 static void gather_contacts(fray_parallel *par) {
+  overdrawn_links_apply(par->world);
   contact_gather(par->world);
   index_contacts(par);
 }
@@ -242,7 +237,7 @@ static void run_block(const fray_parallel *par, uint32_t worker, schedule_entry 
   const block_plan *before = at.block != 0 ? block - 1 : NULL;
   if (at.block == par->block_from[worker]) {
     begin_substep(par, view, at.pass / iterations);
-    w->contact.count = par->world->contact.count;
+    w->contact = par->world->contact;
   }
   if (before == NULL && iteration == 0) particles_carry(w);
   if (iteration == 0)

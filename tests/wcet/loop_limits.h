@@ -4,6 +4,7 @@
 #define FRAY_TESTS_WCET_LOOP_LIMITS_H
 
 #include "rt/state/world.h"
+#include "rt/woven/woven.h"
 #include "tests/wcet/line_words.h"
 
 /* Rows of batches [first, end) with one end in a body. */
@@ -69,7 +70,8 @@ static inline void loop_limits_print(const char *name, const fray_world *w) {
                             sheet != 0 ? w->capacity[POOL_TRIANGLES] : 0, inner,
                             every != 0 ? (inner + every - 1u) / every : 0,
                             sheet != 0 ? (uint32_t)w->trimesh.params->materials : 0, loop_limits_kind_changes(w),
-                            sheet, most.contact_constraints};
+                            sheet, most.contact_constraints,
+                            world_is_projected(w) && overdrawn_links_may_be(w)};
   for (uint32_t m = 0; m < sizeof words / sizeof words[0]; ++m) line_number(&l, words[m]);
   print_line(&l);
 }

@@ -91,6 +91,20 @@ static void place_warps(fray_world *w) {
   }
 }
 
+/* Ends of links half as long again let the bar pass, so half of the storms begin nearer: those that lie on the
+ * bar have neighbours on both sides, within that; the others, whose neighbours of the other side are beyond
+ * it, fly off. */
+static void place_near(fray_world *w, const body_state *rail, int32_t radius, uint32_t q, int left, int lies) {
+  const int32_t away = w->woven.link_classes[CLASS_WEFT].rest / 8 * 11;
+  const int32_t top = rail->position[1] + radius;
+  w->p.y[q] = fx_clamp(w->p.y[q], top - away / 16, top);
+  w->p.z[q] = fx_clamp(w->p.z[q], rail->position[2] - away / 16, rail->position[2] + away / 16);
+  w->p.x[q] = rail->position[0] + (lies ? 0 : left ? -away : away);
+  if (lies) return;
+  w->p.vx[q] = left ? -(FX_SPEED_MAX / 2) : FX_SPEED_MAX / 2;
+  w->p.vy[q] = w->p.vz[q] = 0;
+}
+
 /* Neighbours of the weave apart, farther by their number, so that every link is over its threshold
  * and the list of the worst changes often; next but one together, so that springs are pressed; all
  * of them at an edge of the world and leaving it. As many as the pool takes lie on the last body, a
@@ -125,15 +139,17 @@ static void make_storm(fray_world *w, uint32_t n) {
     w->p.y[q] = w->p.z[q] = -FX_WORLD_MAX;
     w->p.vx[q] = 0; /* so that it is no candidate: the pool is for those below */
     w->p.vy[q] = w->p.vz[q] = -INT32_MAX;
-    if (side != 0) continue;
-    touching += w->capacity[POOL_CONTACTS];
-    if (touching < half) continue;
-    touching -= half;
-    w->p.x[q] = rail->position[0] + random_between(n, q, -FX_LU / 8, FX_LU / 8);
-    w->p.y[q] = rail->position[1] + radius - random_between(n, 2u * q, 0, FX_LU / 64);
-    w->p.z[q] = rail->position[2] + random_between(n, 3u * q, -FX_LU / 64, FX_LU / 64);
-    w->p.vx[q] = n % 4u < 2u ? 0 : FX_LU / 64;
-    w->p.vy[q] = w->p.vz[q] = 0;
+    touching += side == 0 ? w->capacity[POOL_CONTACTS] : 0;
+    const int lies = side == 0 && touching >= half;
+    if (lies) {
+      touching -= half;
+      w->p.x[q] = rail->position[0] + random_between(n, q, -FX_LU / 8, FX_LU / 8);
+      w->p.y[q] = rail->position[1] + radius - random_between(n, 2u * q, 0, FX_LU / 64);
+      w->p.z[q] = rail->position[2] + random_between(n, 3u * q, -FX_LU / 64, FX_LU / 64);
+      w->p.vx[q] = n % 4u < 2u ? 0 : FX_LU / 64;
+      w->p.vy[q] = w->p.vz[q] = 0;
+    }
+    if (n >= STORMS / 2) place_near(w, rail, radius, q, left, lies);
   }
   if (world_has_yarns(w)) place_warps(w);
 }
