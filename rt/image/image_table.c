@@ -138,7 +138,6 @@ const image_array image_arrays[] = {
     TICK(POOL_PARTICLES, int32_t, p.qz),
     TICK(POOL_BODIES, body_motion, rigid.motion),
     TICK(POOL_CONTACTS, contact, contact.list),
-    BYTE(0, ROLE_TICK, POOL_PARTICLES, contact.side_mask),
     TICK(POOL_BREAKS, torn_spring, woven.tear_queue),
     YARN(0, ROLE_TICK, KIND_STRUCT, POOL_YARN_CONTACTS, sizeof(yarn_contact_step), woven.contact_steps),
 #if FRAY_ENERGY
@@ -150,6 +149,7 @@ const image_array image_arrays[] = {
     WITH_MESHES(POOL_PARTICLES, int32_t, contact.start_y),
     WITH_MESHES(POOL_PARTICLES, int32_t, contact.start_z),
     WITH_MESHES(POOL_BODIES, vec3, rigid.start),
+    {"aside", 0, ROLE_TICK, KIND_BYTE, POOL_PARTICLES, POOL_RIGID_MESH_WORDS, 1, AT(contact.side_mask)},
     WITH_MESHES(POOL_TRIANGLES, index_t, contact.near_triangles),
 #endif
 #if FRAY_YARN_COLLISION

@@ -383,12 +383,16 @@ static inline int world_has_elastic_yarns(const fray_world *w) {
 static inline int world_is_projected(const fray_world *w) {
   return !world_has_membrane(w) && !world_has_elastic_yarns(w);
 }
-/* Bodies let the particle pass in this tick. */
-static inline int world_is_released(const fray_world *w, uint32_t p) {
-  return world_is_projected(w) && (w->contact.side_mask[p] & CONTACT_RELEASED) != 0;
-}
 static inline int world_has_rigid_meshes(const fray_world *w) {
   return FRAY_MESHES && w->features.rigid_meshes;
+}
+/* Particle -> CONTACT_RELEASED where bodies let it pass in this tick. Without meshes only until the first
+ * substep: it is where predicted positions will be. */
+static inline uint8_t *world_released(const fray_world *w) {
+  return world_has_rigid_meshes(w) ? w->contact.side_mask : (uint8_t *)w->p.qx;
+}
+static inline int world_is_released(const fray_world *w, uint32_t p) {
+  return world_is_projected(w) && (world_released(w)[p] & CONTACT_RELEASED) != 0;
 }
 static inline int world_has_yarn_collision(const fray_world *w) {
   return FRAY_YARN_COLLISION && w->features.yarn_collision;

@@ -37,6 +37,7 @@ static int release_ends(fray_world *w) {
   const uint32_t end = (uint32_t)w->params->links;
   const int32_t strain = strain_of(w->params);
   const link_view view = woven_links(w);
+  uint8_t *released = world_released(w);
   uint32_t kind = SPRING_DEAD;
   uint32_t bound = 0;
   int any = 0;
@@ -49,8 +50,8 @@ static int release_ends(fray_world *w) {
       bound = overdrawn_bound(view.classes[kind & SPRING_CLASS].rest, strain);
     }
     if (squared_of(link_vec(&view, view.i[spring], view.j[spring])) < bound) continue;
-    w->contact.side_mask[view.i[spring]] = CONTACT_RELEASED;
-    w->contact.side_mask[view.j[spring]] = CONTACT_RELEASED;
+    released[view.i[spring]] = CONTACT_RELEASED;
+    released[view.j[spring]] = CONTACT_RELEASED;
     any = 1;
   }
   return any;
@@ -59,6 +60,6 @@ static int release_ends(fray_world *w) {
 void overdrawn_links_apply(fray_world *w) {
   FRAY_ASSERT(world_is_projected(w));
   if (!overdrawn_links_may_be(w)) return;
-  bytes_zero(w->contact.side_mask, w->p.count);
+  bytes_zero(world_released(w), w->p.count);
   if (release_ends(w)) tethers_apply(w);
 }
