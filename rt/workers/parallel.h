@@ -48,7 +48,7 @@ struct fray_parallel {
   uint32_t owners;         /* workers 0..owners-1 have blocks */
   uint32_t steps_per_pass; /* the largest number of blocks of a worker */
   uint32_t block_from[FRAY_WORKERS_MAX + 1]; /* worker n has blocks block_from[n]..block_from[n + 1] - 1 */
-  int gathers;             /* 1: bodies have surfaces; contacts are gathered after the springs */
+  int gathers;             /* 1: bodies have surfaces or move; contacts are gathered after the springs */
   int springs_first;       /* 1: no substep begins before all springs are done */
   /* particles, by worker; see spring_partition.c */
   uint32_t spring_from[FRAY_WORKERS_MAX + 1];
