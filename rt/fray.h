@@ -143,7 +143,8 @@ typedef enum { FRAY_READY = 1, FRAY_OPERATIONAL = 2, FRAY_SAFE = 3 } fray_state;
     "No spare triangle is left: a membrane does not tear or is not cut there.", \
     "Raise `spare_triangles` in the limits of the scene.") \
   X(FRAY_FAULT_OVERSTRETCHED, 12, "Overstretched", \
-    "Cloth was drawn to three times its length, or a yarn to the largest force of a step.", \
+    "A membrane was drawn to three times its length, a yarn to the largest force of a step, or a free " \
+    "body beyond the reach of its cloth.", \
     "Give the cloth a strain limit or a strength, a lighter body, or more substeps; draw it less far.") \
   X(FRAY_FAULT_SPEED_LIMIT, 13, "SpeedLimit", "A vertex came to the limit of speed, 4 lu a substep.", \
     "Take lighter loads or heavier cloth, a higher rate or more substeps.")

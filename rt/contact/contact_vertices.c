@@ -15,7 +15,7 @@
  * crosses nothing. So what begins on one side of a triangle never ends on the other. Where several meshes
  * move, each may push a particle through another one: that is tested twice more; then the free bodies
  * that take part are stopped and everything is done again; what is left is reported. Released particles
- * pass (woven/overdrawn_links.c). */
+ * pass (woven/overstretched_links.c). */
 #include "rt/contact/contact.h"
 #include "rt/contact/contact_triangles.h"
 #include "rt/contact/mesh_push.h"

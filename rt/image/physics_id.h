@@ -5,6 +5,6 @@
 #ifndef FRAY_IMAGE_PHYSICS_ID_H
 #define FRAY_IMAGE_PHYSICS_ID_H
 
-#define PHYSICS_ID 0x59D6DB01u
+#define PHYSICS_ID 0x4131057Du
 
 #endif

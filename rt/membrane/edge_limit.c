@@ -9,7 +9,7 @@
  *            allows, and comes back slowly where it has none.
  *   rate     no edge changes by more than an eighth of its rest length in a step. Where a triangle is another
  *            one after each step leapfrog does not keep its energy, however small w h is: splinters gained
- *            speed without end.
+ *            speed without end. Behind contact: what a body stops has no rate to take.
  *
  * Those that may get there are found once a substep. No SIMD twin: edges follow one another. */
 #include "rt/elastic/step_passive.h"
@@ -78,7 +78,7 @@ static int is_clear(uint64_t squared, vec3 velocity, int64_t longest, int64_t ra
   return vec_squared(velocity) < (uint64_t)(slow * slow) && squared < (uint64_t)(near * near);
 }
 
-static void solve_edge(fray_world *w, const limited_edge *e, const elastic_step *step) {
+static void solve_edge(fray_world *w, const limited_edge *e, const elastic_step *step, edge_limit limit) {
   const vec3 d = edge_now(w, e);
   const uint64_t k = (uint64_t)step_inverse_mass(w, e->i) + step_inverse_mass(w, e->j);
   const uint64_t squared = vec_squared(d);
@@ -96,7 +96,8 @@ static void solve_edge(fray_world *w, const limited_edge *e, const elastic_step 
   const int32_t by_room = -step_speed_min(room, w->membrane.constants->steps, step->rise);
   const vec3 halves = vec_sub_saturated(step_half_of(w, e->j, step), step_half_of(w, e->i, step));
   const int32_t half = vec_dot_unit(halves, unit);
-  const int32_t fitting = fx_max(-rate, fx_min(separating, fx_min(by_room, rate)));
+  const int32_t fitting =
+      limit == EDGE_LENGTH ? fx_min(separating, by_room) : fx_clamp(separating, -rate, rate);
   const int32_t wanted = step_passive_speed(fitting, separating, half);
   if (wanted == separating) return;
   const int32_t mass = step_mass_of(k);
@@ -107,9 +108,9 @@ static void solve_edge(fray_world *w, const limited_edge *e, const elastic_step 
   (void)step_push(w, e->i, back);
 }
 
-void edge_limits_solve(fray_world *w, const elastic_step *step) {
+void edge_limits_solve(fray_world *w, const elastic_step *step, edge_limit limit) {
   limited_edge *e = w->membrane.limited_edges;
   FRAY_ASSERT(w->membrane.limited_edge_count <=
               (uint32_t)LIMITED_EDGES_PER_TRIANGLE * w->capacity[POOL_TRIANGLES]);
-  for (uint32_t n = 0; n < w->membrane.limited_edge_count; ++n) solve_edge(w, &e[n], step);
+  for (uint32_t n = 0; n < w->membrane.limited_edge_count; ++n) solve_edge(w, &e[n], step, limit);
 }

@@ -26,9 +26,11 @@ step_view membrane_step_begin(fray_world *w);
 elastic_step membrane_step_force(fray_world *w, step_view *view, uint32_t substep, int32_t number);
 void membrane_step_move(fray_world *w, const step_view *view);
 void membrane_step_end(fray_world *w);
-/* Edges that are nearly as long as they may be: once a substep, and in each step. */
+/* Edges that are nearly as long, or as fast, as they may be: once a substep. */
 void edge_limits_find(fray_world *w);
-void edge_limits_solve(fray_world *w, const elastic_step *step);
+typedef enum { EDGE_LENGTH, EDGE_RATE } edge_limit;
+/* In each step: before contact the lengths, behind it the rates. */
+void edge_limits_solve(fray_world *w, const elastic_step *step, edge_limit limit);
 void stretch_repay(fray_world *w, const elastic_step *step); /* in the first elastic step of a tick */
 void bend_repay(fray_world *w, const elastic_step *step);
 

@@ -50,8 +50,8 @@ static int32_t axis_of(vec3 a, uint32_t n) { return n == 0 ? a.x : n == 1 ? a.y 
 /* The stage behind which a mark is. */
 static fray_energy_stage stage_of(const fray_world *w, uint32_t mark) {
   static const fray_energy_stage stages[STEP_MARKS] = {FRAY_ENERGY_SELF_COLLISION, FRAY_ENERGY_STEPS,
-                                                       FRAY_ENERGY_CONTACT, FRAY_ENERGY_LIMITS,
-                                                       FRAY_ENERGY_SELF_COLLISION};
+                                                       FRAY_ENERGY_LIMITS, FRAY_ENERGY_CONTACT,
+                                                       FRAY_ENERGY_LIMITS, FRAY_ENERGY_SELF_COLLISION};
   FRAY_ASSERT(mark != 0 && mark <= STEP_MARKS);
   return mark == 1 ? world_zone_stage(w) : stages[mark - 1u];
 }

@@ -21,8 +21,8 @@ static inline void step_meter_damping(fray_world *w) {
 #endif
 }
 
-/* In a step: behind its forces (0), zones (1), repayment (2), limits of edges (3), contact (4) and
- * self-collision (STEP_MARKS). */
+/* In a step: behind its forces (0), zones (1), repayment (2), lengths of edges (3), contact (4), rates of
+ * edges (5) and self-collision (STEP_MARKS). */
 static inline void step_meter_mark(fray_world *w, uint32_t mark) {
 #if FRAY_ENERGY
   if (__builtin_expect(w->energy.watched && w->energy.begun, 0)) step_meter_mark_add(w, mark);

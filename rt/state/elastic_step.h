@@ -19,8 +19,8 @@ typedef struct {
 } elastic_impulse;
 
 /* Of a watched world's vertex: the part of that sum that damps stress, and the sum behind zones, repayment,
- * limits of edges and contact. */
-enum { STEP_MARKS = 5 };
+ * lengths of edges, contact and rates of edges. */
+enum { STEP_MARKS = 6 };
 typedef struct {
   vec3 damping, sum[STEP_MARKS - 1];
 } metered_impulse;

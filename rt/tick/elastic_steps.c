@@ -37,13 +37,16 @@ void elastic_steps_run(fray_world *w, uint32_t substep) {
       impact_zone_steps_share(w, &step);
     }
     step_meter_mark(w, 2);
+    edge_limits_solve(w, &step, EDGE_LENGTH);
+    impact_zone_steps_share(w, &step);
+    step_meter_mark(w, 3);
     contact_constraints_solve(w, &step);
     world_edge_solve(w, &step);
     impact_zone_steps_share(w, &step);
-    step_meter_mark(w, 3);
-    edge_limits_solve(w, &step); /* behind contact: what a body stops has no rate to take */
-    impact_zone_steps_share(w, &step);
     step_meter_mark(w, 4);
+    edge_limits_solve(w, &step, EDGE_RATE);
+    impact_zone_steps_share(w, &step);
+    step_meter_mark(w, 5);
     self_constraints_solve(w, &step);
     impact_zone_steps_share(w, &step);
     step_meter_mark(w, STEP_MARKS);

@@ -26,7 +26,7 @@ void tick_woven(fray_world *w) {
   const uint32_t substeps = (uint32_t)w->params->substeps;
   FRAY_ASSERT(!world_has_membrane(w));
   if (world_is_projected(w)) {
-    overdrawn_links_apply(w);
+    overstretched_links_apply(w);
     energy_stage(w, FRAY_ENERGY_LIMITS);
   }
   damp_apply(w);       /* 3 */

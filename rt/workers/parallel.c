@@ -83,7 +83,7 @@ fray_parallel *fray_parallel_open(fray_world *w, uint32_t workers, void *memory,
   par->world = w;
   par->workers = workers;
   par->passes = (uint32_t)w->params->substeps * (uint32_t)w->params->iterations;
-  par->gathers = overdrawn_links_may_be(w);
+  par->gathers = overstretched_links_may_be(w);
   par->block_count = is_serial(w) ? 0 : block_plan_make(w, par->blocks, par->scratch);
   if (par->block_count < BLOCKS_MIN) par->block_count = 0;
   schedule_make(par);
@@ -194,7 +194,7 @@ static void index_contacts(fray_parallel *par) {
 }
 
 static void gather_contacts(fray_parallel *par) {
-  overdrawn_links_apply(par->world);
+  overstretched_links_apply(par->world);
   contact_gather(par->world);
   index_contacts(par);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A free body on projected yarns gets no more than the momentum of the particles that it holds: a heavy one
- * sank without end, and drew links to 600 times their length. So where links are overdrawn, none goes
+ * sank without end, and drew links to 600 times their length. So where links are overstretched, none goes
  * farther from what holds the cloth than half as far again as the cloth reaches, along a weft and a warp
  * (after the long range attachments of Kim, Chentanez, Mueller-Fischer 2012): the pair that is farthest
  * beyond that stops it at the velocity, and the other body gets its momentum. Of whole cloth only: a way

@@ -12,13 +12,13 @@
 /* Once a tick, before the substeps. Velocities are Q28 lu per substep. */
 
 /* Marks the ends of links that are drawn too far, for world_is_released(); where there are any,
- * tethers_apply(). Needs projected links. Cost: linear in the links, where overdrawn_links_may_be(). */
-void overdrawn_links_apply(fray_world *w);
+ * tethers_apply(). Needs projected links. Cost: linear in the links, where overstretched_links_may_be(). */
+void overstretched_links_apply(fray_world *w);
 /* Stops free bodies that are farther from what holds whole cloth than it reaches. Cost: linear in the
  * crossings for each free body. */
 void tethers_apply(fray_world *w);
 /* 1 iff a body has a surface, or moves. */
-int overdrawn_links_may_be(const fray_world *w);
+int overstretched_links_may_be(const fray_world *w);
 /* Relative damping and drag (step 3). Cost: linear in the particles. */
 void damp_apply(fray_world *w);
 /* Bend and shear springs, explicit (section 3.2); of elastic yarns once a substep, else waves of those would

@@ -250,6 +250,9 @@ wants 0 "stiffness    scaled to" "$FRAY" run "$cd_work/stiff.img" --ticks 2
 if grep -q "^work \(intact\|torn\|worst\)\|projections" "$cd_work/said"; then fail "a run of a membrane counts woven work"; else pass; fi
 wants 0 "stiffness  scaled to" "$FRAY" info "$cd_work/stiff.img"
 wants 0 "stiff.img: 128 triangles" "$FRAY" bench "$cd_work/stiff.img" --ticks 2 --kernel scalar
+printf 'scene light\nrate 240 Hz\nsubsteps 8\nwoven { warps 8 wefts 8 spacing 16 /cm density 0.009 g/cm2 shear 0.1 g/s2 tear off }\npin row top\n' >"$cd_work/light.scene"
+wants 0 "bend: 0.5062 g/s2 in place of its default of 5, as much as the rate bears" "$FRAY" scene "$cd_work/light.scene" -o "$cd_work/light.img"
+if grep -q "^shear" "$cd_work/said"; then fail "a shear that the scene gives is no default"; else pass; fi
 sed '/^pin/d; /^sphere/,/^}/d' "$small" >"$cd_work/falls.scene"
 wants 0 "OUT_OF_WORLD" "$FRAY" run "$cd_work/falls.scene" --ticks 2000
 # a report: no plot of a force that nothing has, and yarns where the scene has them

@@ -174,6 +174,25 @@ static void pools_that_are_too_small(void) {
   CHECK_EQ_INT(f.w->state->faults, FRAY_FAULT_CONTACTS_FULL);
 }
 
+/* A mesh presses the sheet into a plane: no place is left, which a run of its ticks says. */
+static void pressed_into_a_plane(void) {
+  fixture_scoped f = {0};
+  uint32_t faults = 0, first = 0;
+  fixture_text(&f, "scene s\nrate 500 Hz\nsubsteps 2\nmembrane { columns 6 rows 6 cell 1 cm material t-shirt orientation "
+                   "horizontal thickness 0.05 cm at 0 0.1 0 cm }\nplane ground { at 0 0 0 cm }\n"
+                   MESH("box", "unit 1 cm move path { 0 s 0 3 0 cm 0.3 s 0 3 0 cm 0.6 s 0 -0.5 0 cm }"));
+  for (uint32_t tick = 1; tick <= 320; ++tick) {
+    const uint32_t now = fixture_tick(&f, &fixture_idle).faults;
+    if (first == 0 && now != 0) first = tick;
+    faults |= now;
+  }
+  const double reached = 500 * (0.3 + 0.3 * (3 - 0.5) / 3.5); /* ticks, by its lower face */
+  printf("figure pressed_into_a_plane first fault in tick %u (asked: %.0f, as it reaches the plane), faults 0x%02X\n", first,
+         reached, faults);
+  CHECK_EQ_INT(faults, FRAY_FAULT_CONTACT_UNRESOLVED);
+  CHECK(fabs(first - reached) < 3);
+}
+
 static double back_most; /* speed of a body, of that with which it came */
 
 /* A ball or box of any mass, thrown from anywhere at 5 to 50 m/s, at a sheet that is held along two sides or one, or
@@ -289,5 +308,6 @@ int main(int argc, char **argv) {
   TEST(dropped);
   TEST(what_is_too_heavy_is_stopped);
   TEST(pools_that_are_too_small);
+  TEST(pressed_into_a_plane);
   return test_end();
 }

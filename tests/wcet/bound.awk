@@ -61,10 +61,10 @@ function rounds(what) {
   if (what == "dampings") return damping
   # a link that is cut takes its kind out of the row of kinds, one that is split may be of any
   if (what == "kind_changes") return yarns ? most["tear_tests"] : kind_changes
-  if (what == "overdrawn_tests") return overdrawn * links
-  if (what == "overdrawn_kinds") return overdrawn * (yarns ? links : kind_changes)
+  if (what == "overstretched_tests") return overstretched * links
+  if (what == "overstretched_kinds") return overstretched * (yarns ? links : kind_changes)
   if (what == "free_bodies") return free_bodies
-  if (what == "tethered") return overdrawn * crossings * free_bodies
+  if (what == "tethered") return overstretched * crossings * free_bodies
   if (what == "paths") return paths
   if (what == "once") return hands
   if (what == "mirrored") return mirrored ? most["tear_tests"] : 0
@@ -73,8 +73,8 @@ function rounds(what) {
   if (what == "hash_pairs") return rounds("hash_words") / 2
   if (what == "hash_byte_pairs") return 3 * particles / 2
   if (what == "hash_words") return 6 * particles + 40 + 12 * bodies + yarns * (5 + 6 * spares) + (triangles ? 13 + 18 * triangles : 0)
-  if (what == "zeroed") return cleared_bytes + motion_bytes * bodies + (triangles ? 32 * particles + 16 * triangles : 0) + overdrawn * particles
-  if (what == "zeroed_words") return (cleared_bytes + motion_bytes * bodies) / 4 + 64 + (triangles ? 8 * particles + 4 * triangles : 0) + overdrawn * particles / 4
+  if (what == "zeroed") return cleared_bytes + motion_bytes * bodies + (triangles ? 32 * particles + 16 * triangles : 0) + overstretched * particles
+  if (what == "zeroed_words") return (cleared_bytes + motion_bytes * bodies) / 4 + 64 + (triangles ? 8 * particles + 4 * triangles : 0) + overstretched * particles / 4
   # the n-th that enters a heap rises by log2 n at most; once that is full one sinks between two below it
   if (what == "rise_steps") return rises
   if (what == "sink_steps") return (most["tear_tests"] > cuts_max ? most["tear_tests"] - cuts_max : 0) * depth
@@ -99,7 +99,7 @@ function rounds(what) {
   if (what == "summed_vertices") return particles * sheet_inner * substeps
   if (what == "inner_bodies") return bodies * all_inner * substeps
   if (what == "inner_planes") return free_bodies * planes * all_inner * substeps
-  if (what == "limited_edges") return limited * 3 * triangles * sheet_inner * substeps
+  if (what == "limited_edges") return 2 * limited * 3 * triangles * sheet_inner * substeps # lengths, rates
   if (what == "constraints") return constraints
   if (what == "held_pulls") return held * all_inner * substeps
   if (what == "vertices_pulled") return (particles - held) * sheet_inner * substeps
@@ -137,7 +137,7 @@ $1 == "limits" {
   all_inner = triangles != 0 ? sheet_inner : stretches != 0 ? inner_steps : 0
   pulls = stretches != 0 ? substeps : 1 # of bend and shear springs, and broad phases
   spring_batches *= pulls; springs_held *= pulls
-  triangles = $45; sheet_inner = $46; folds = $47; cloths = $48; kind_changes = $49; limited = $50; constraints = $51; links = $8; overdrawn = $52
+  triangles = $45; sheet_inner = $46; folds = $47; cloths = $48; kind_changes = $49; limited = $50; constraints = $51; links = $8; overstretched = $52
   most["predictions"] = $25; most["projections"] = $26; most["springs"] = $27; most["contacts"] = $28
   contact_steps = (stretches != 0) * most["contacts"] # of elastic yarns in each elastic step
   if (stretches != 0) most["contacts"] /= inner_steps

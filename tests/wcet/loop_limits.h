@@ -71,7 +71,7 @@ static inline void loop_limits_print(const char *name, const fray_world *w) {
                             every != 0 ? (inner + every - 1u) / every : 0,
                             sheet != 0 ? (uint32_t)w->trimesh.params->materials : 0, loop_limits_kind_changes(w),
                             sheet, most.contact_constraints,
-                            world_is_projected(w) && overdrawn_links_may_be(w)};
+                            world_is_projected(w) && overstretched_links_may_be(w)};
   for (uint32_t m = 0; m < sizeof words / sizeof words[0]; ++m) line_number(&l, words[m]);
   print_line(&l);
 }

@@ -239,8 +239,8 @@ static double net_of(const judged *j, const fray_energy_account *a, uint32_t n) 
 }
 
 /* A membrane's strain beyond the largest has a force and no energy, and a body that is driven through what another
- * holds leaves it behind: what steps, or contact, make in such a tick says nothing. Every other stage, and every
- * other tick, is judged as ever. */
+ * holds leaves it behind: what steps, or contact, make in such a tick says nothing. `taken` by what presses yarns
+ * together is left out of what pushes make. Every other stage, and every other tick, is judged as ever. */
 static double excused_net(judged *j, uint32_t n, double net, double taken, uint32_t faults) {
   const int is_membrane = world_has_membrane(j->watched.w);
   const uint32_t excuse = n == FRAY_ENERGY_STEPS && is_membrane ? FRAY_FAULT_OVERSTRETCHED

@@ -2,11 +2,13 @@
 /* fray scene: compiles a text scene to an image, or to a C array for firmware. */
 #include "tools/cmd/cmd.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "platform/files/output_file.h"
+#include "rt/state/world.h"
 #include "tools/world/world_file.h"
 #include "tools/terminal/options.h"
 #include "tools/analysis/scaled_stiffness.h"
@@ -69,12 +71,33 @@ static void default_name(const char *from, const char *ending, char *to, size_t 
   strcat(to, ending);
 }
 
-static void print_cloth(const char *path, uint8_t *image, size_t bytes) {
+/* Of the image, g/s2. */
+static double stiffness_of(const fray_world *w, uint32_t class) {
+  const fray_info f = fray_get_info(w);
+  const bend_shear_class *c = &w->woven.bend_shear_classes[class];
+  const double pulls = f.yarn_steps != 0 ? f.substeps : 1; /* a tick */
+  return ldexp(c->mantissa, -c->shift) * f.substeps * pulls * f.rate_hz * f.rate_hz * f.particle_mass_ng * 1e-9;
+}
+
+static void print_softer(const char *key, exact wanted, double stiffness) {
+  const double asked = (double)wanted.numerator / (double)wanted.denominator;
+  if (asked > 1.001 * stiffness)
+    printf("%s: %.4g g/s2 in place of its default of %g, as much as the rate bears\n", key, stiffness, asked);
+}
+
+static void print_defaults(const fray_world *w, const compile_report *report) {
+  if (world_has_membrane(w)) return;
+  print_softer("bend", report->default_bend, stiffness_of(w, CLASS_WEFT));
+  print_softer("shear", report->default_shear, stiffness_of(w, CLASS_SHEAR));
+}
+
+static void print_cloth(const char *path, uint8_t *image, size_t bytes, const compile_report *report) {
   char scaled[SCALED_STIFFNESS_TEXT];
   struct world_file o = {image, bytes, NULL, 0, NULL};
   if (world_file_open_image(path, &o, stderr) != 0) return;
   const fray_info f = fray_get_info(o.world);
   if (scaled_stiffness_text(&f, scaled)) printf("stiffness: %s\n", scaled);
+  print_defaults(o.world, report);
   yarn_level_print(o.world, stdout);
   free(o.memory);
 }
@@ -134,7 +157,7 @@ int cmd_scene(int argc, char **argv) {
   const int written = write_image(output, array, image, bytes);
   if (written) {
     print_built(output, array, bytes, &report);
-    print_cloth(output, image, bytes);
+    print_cloth(output, image, bytes, &report);
   }
   free(image);
   return written ? 0 : 1;

@@ -312,6 +312,8 @@ static int find_work(const scene *s, const char *file, compile_report *report, s
   int64_t bound;
   report->substeps = s->substeps == 0 && s->membrane.present ? MEMBRANE_SUBSTEPS : s->substeps;
   report->iterations = s->iterations;
+  report->default_bend = s->woven.present && !s->woven.has_bend ? s->woven.bend : exact_make(0, 1);
+  report->default_shear = s->woven.present && !s->woven.has_shear ? s->woven.shear : exact_make(0, 1);
   report->searched = !s->membrane.present && (s->substeps == 0 || s->iterations == 0);
   const exact strain = rest_strain_max(s, report->searched, &report->limit);
   settle_request plan = {file, 0, 0, 0, strain, progress, context};

@@ -19,6 +19,7 @@ typedef struct {
   int32_t strain_max_q16;    /* every spring is to stay below; 0: a membrane */
   rest_limit limit;          /* what says so */
   uint32_t tries;
+  exact default_bend, default_shear; /* g/s2; 0: woven cloth gives it, or there is none */
   uint32_t stretch_steps; /* elastic steps of a substep; 0: inextensible yarns */
   uint32_t fall_steps;       /* units of position by which gravity moves a particle in a substep */
 } compile_report;

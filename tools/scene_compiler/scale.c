@@ -264,8 +264,8 @@ int draft_yarn_collision(const draft *d, self_params *k) {
 }
 
 /* A chain of springs k between masses m vibrates at up to 2 root(k / m). Explicit pulls with a time T between
- * them bear 2 / T of a line; of bends that turn, springs of two directions add up: half of it made none. A
- * yarn of a split crossing has half of its mass. A default is made smaller. */
+ * them bear 2 / T along a line. At finite bends springs of both directions add up and made energy near that,
+ * but none at half of it. A yarn of a split crossing has half of its mass. A default is made smaller. */
 static int bear_spring(const draft *d, const char *key, int is_given, exact *k) {
   const int is_split = d->scene->woven.yarns != 0;
   const int64_t rate = (int64_t)d->scene->rate_hz * (scene_has_stretch(d->scene) ? d->substeps : 1);

@@ -11,7 +11,7 @@
 
 enum { STRAIN_LEAST = 1 << 15, STRAIN_MOST = 1 << 18 }; /* Q16 */
 
-int overdrawn_links_may_be(const fray_world *w) {
+int overstretched_links_may_be(const fray_world *w) {
   for (uint32_t b = 0; b < (uint32_t)w->params->bodies; ++b)
     if (w->rigid.bodies[b].shape != FRAY_ANCHOR || w->rigid.bodies[b].motion != FRAY_FIXED) return 1;
   return 0;
@@ -22,7 +22,7 @@ static int32_t strain_of(const params *p) {
 }
 
 /* Out of line: links of one kind follow one another. */
-__attribute__((noinline)) static uint32_t overdrawn_bound(int32_t rest, int32_t strain) {
+__attribute__((noinline)) static uint32_t overstretched_bound(int32_t rest, int32_t strain) {
   const uint32_t length = link_stretched(rest, strain) >> LINK_SHIFT;
   return length < LINK_HI_MAX ? length * length : (uint32_t)(LINK_HI_MAX * LINK_HI_MAX);
 }
@@ -47,7 +47,7 @@ static int release_ends(fray_world *w) {
     if (view.kind[spring] == SPRING_DEAD) continue;
     if (view.kind[spring] != kind) {
       kind = view.kind[spring];
-      bound = overdrawn_bound(view.classes[kind & SPRING_CLASS].rest, strain);
+      bound = overstretched_bound(view.classes[kind & SPRING_CLASS].rest, strain);
     }
     if (squared_of(link_vec(&view, view.i[spring], view.j[spring])) < bound) continue;
     released[view.i[spring]] = CONTACT_RELEASED;
@@ -57,9 +57,9 @@ static int release_ends(fray_world *w) {
   return any;
 }
 
-void overdrawn_links_apply(fray_world *w) {
+void overstretched_links_apply(fray_world *w) {
   FRAY_ASSERT(world_is_projected(w));
-  if (!overdrawn_links_may_be(w)) return;
+  if (!overstretched_links_may_be(w)) return;
   bytes_zero(world_released(w), w->p.count);
   if (release_ends(w)) tethers_apply(w);
 }
