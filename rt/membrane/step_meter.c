@@ -7,6 +7,7 @@
  * same. */
 #include "rt/membrane/step_meter.h"
 
+#include "rt/elastic/step_passive.h"
 #include "rt/membrane/membrane.h"
 
 #if FRAY_ENERGY
@@ -164,6 +165,25 @@ static void meter_attached(fray_world *w, uint32_t p) {
     meter_damping(w, p, n, (int64_t)w->membrane.bodies[b].before[n] + v[n]);
     if (external[n] != 0)
       book_load(w, wide_of(fx_mul_wide(external[n], v[n]), ELASTIC_IMPULSE_BITS + FX_VELOCITY_BITS));
+  }
+}
+
+/* A tick leaves the vertices of a zone alike half a step later, by what acts on each; then they are alike at
+ * once. What loads and damping, which store nothing, have of that is no work of the zone's. */
+void step_meter_zones_add(fray_world *w, const elastic_step *step) {
+  FRAY_ASSERT(world_has_membrane(w));
+  for (uint32_t p = particles_attached(w); p < w->p.count; ++p) {
+    const vec3 ahead = vec_sub_saturated(step_vertex_half_of(w, p, step), step_half_of(w, p, step));
+    const vec3 load = elastic_impulse_vec(&w->membrane.external_impulse[p]);
+    const vec3 damping = w->membrane.metered_impulses[p].damping;
+    for (uint32_t n = 0; n < 3; ++n) {
+      const int64_t speed = axis_of(ahead, n);
+      const int64_t both = (int64_t)axis_of(load, n) + axis_of(damping, n);
+      if (speed == 0) continue;
+      book_load(w, times_half(axis_of(load, n), speed, ELASTIC_IMPULSE_BITS));
+      book_stage(w, FRAY_ENERGY_DAMPING, times_half(axis_of(damping, n), speed, ELASTIC_IMPULSE_BITS));
+      book_stage(w, world_zone_stage(w), times_half(-both, speed, ELASTIC_IMPULSE_BITS));
+    }
   }
 }
 

@@ -3,12 +3,14 @@
 #ifndef FRAY_MEMBRANE_STEP_METER_H
 #define FRAY_MEMBRANE_STEP_METER_H
 
+#include "rt/elastic/step_impulse.h"
 #include "rt/simd/membrane_view.h"
 #include "rt/state/world.h"
 
 #if FRAY_ENERGY
 void step_meter_damping_add(fray_world *w);
 void step_meter_mark_add(fray_world *w, uint32_t mark);
+void step_meter_zones_add(fray_world *w, const elastic_step *step);
 void step_meter_add(fray_world *w, const step_view *view);
 #endif
 
@@ -29,6 +31,16 @@ static inline void step_meter_mark(fray_world *w, uint32_t mark) {
 #else
   (void)w;
   (void)mark;
+#endif
+}
+
+/* Behind zones, in the first step of a tick. */
+static inline void step_meter_zones(fray_world *w, const elastic_step *step) {
+#if FRAY_ENERGY
+  if (__builtin_expect(w->energy.watched && w->energy.begun, 0)) step_meter_zones_add(w, step);
+#else
+  (void)w;
+  (void)step;
 #endif
 }
 

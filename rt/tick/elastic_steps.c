@@ -32,6 +32,7 @@ void elastic_steps_run(fray_world *w, uint32_t substep) {
     impact_zone_steps_hold(w, &step);
     step_meter_mark(w, 1);
     if (substep == 0 && number == 0) {
+      step_meter_zones(w, &step);
       stretch_repay(w, &step);
       bend_repay(w, &step);
       impact_zone_steps_share(w, &step);

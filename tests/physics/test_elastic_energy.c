@@ -182,6 +182,12 @@ static const char at_a_fine_ball[] =
     " move path { 0 s -0.6044 -2.4993 0.8172 cm  0.148 s -1.0698 -0.1303 -0.8686 cm  0.25 s 1.7216 1.0202 0.4851 cm\n"
     "  0.633 s 3.1892 2.3205 -1.9526 cm }\n}\n";
 
+/* A pinned sheet that loads fold onto itself: zones that a body holds are loaded. */
+static const char loaded_folds[] =
+    "scene loaded\nrate 1000 Hz\nsubsteps 2\nmembrane {\n columns 3\n rows 3\n cell 2.2434 cm\n material denim\n at 0 0.122 0 cm\n"
+    " drag 0 /s\n thickness 0.07456 cm\n elastic_steps_max 49\n self_collision on\n}\nload left -1 3.1 -19.5 N/m\n"
+    "load right 16.9 -2.9 18.6 N/m\npin row bottom\n";
+
 /* Without self-collision: a sword goes into fine cloth, a plate falls on a sheet, a ball draws a coarse one. */
 static const char at_a_sword[] =
     "scene sword\nrate 240 Hz\nmembrane {\n columns 11\n rows 10\n cell 1.284 cm\n material swimsuit\n}\nload left 5.5 5.9 -5.9 N/m\n"
@@ -322,6 +328,7 @@ static void contact_makes_none(void) {
                {"apart", torn_apart, FRAY_ENERGY_SELF_COLLISION, 0},
                {"paper", torn_paper, FRAY_ENERGY_SELF_COLLISION, 0},
                {"fine", at_a_fine_ball, FRAY_ENERGY_CONTACT, FRAY_FAULT_MESH_QUERY_BUDGET},
+               {"loaded", loaded_folds, FRAY_ENERGY_SELF_COLLISION, 0},
                {"sword", at_a_sword, FRAY_ENERGY_CONTACT, 0},
                {"plate", under_a_plate, FRAY_ENERGY_CONTACT, 0},
                {"ball", drawn_by_ball, FRAY_ENERGY_CONTACT, 0}};
