@@ -136,18 +136,38 @@ static void find_collider(fray_world *w, const collider *t, int32_t room) {
   if (rigid_mesh_meets_triangles(w)) contact_triangles_constrain(w, t, room, &budget[1]);
 }
 
-static void move_axis(int32_t *x, const int32_t *v, uint32_t first, uint32_t end) {
-  for (uint32_t p = first; p < end; ++p)
+static void move_axis(int32_t *x, const int32_t *v, uint32_t end) {
+  for (uint32_t p = 0; p < end; ++p)
     x[p] = fx_clamp(fx_add(x[p], fx_round(v[p], FX_SUB_BITS)), -FX_WORLD_MAX, FX_WORLD_MAX);
+}
+
+/* Behind the pull of the first of 2^bits steps, of which each pulls alike. */
+static void move_pulled_axis(int32_t *x, const int32_t *v, const int32_t *unpulled, uint32_t end, unsigned bits) {
+  const int64_t later = ((int64_t)1 << bits) - 1;
+  for (uint32_t p = 0; p < end; ++p) {
+    const int64_t way = v[p] + fx_asr64(((int64_t)v[p] - unpulled[p]) * later, 1);
+    x[p] = (int32_t)fx_clamp64(x[p] + fx_round64(way, FX_SUB_BITS), -FX_WORLD_MAX, FX_WORLD_MAX);
+  }
+}
+
+static void move_pulled(fray_world *w) {
+  const unsigned bits = (unsigned)w->woven.elastic_params->steps_bits;
+  move_pulled_axis(w->p.x, w->p.vx, w->p.unpulled[0], w->p.count, bits);
+  move_pulled_axis(w->p.y, w->p.vy, w->p.unpulled[1], w->p.count, bits);
+  move_pulled_axis(w->p.z, w->p.vz, w->p.unpulled[2], w->p.count, bits);
 }
 
 /* To where everything would be at the end of the substep. */
 static void move_ahead(fray_world *w) {
   for (uint32_t p = 0; p < particles_attached(w); ++p)
     world_set_velocity(w, p, world_body_velocity(w, w->p.attach_body[p]));
-  move_axis(w->p.x, w->p.vx, 0, w->p.count);
-  move_axis(w->p.y, w->p.vy, 0, w->p.count);
-  move_axis(w->p.z, w->p.vz, 0, w->p.count);
+  if (world_has_elastic_yarns(w)) {
+    move_pulled(w);
+    return;
+  }
+  move_axis(w->p.x, w->p.vx, w->p.count);
+  move_axis(w->p.y, w->p.vy, w->p.count);
+  move_axis(w->p.z, w->p.vz, w->p.count);
 }
 
 static void move_back(fray_world *w) {
@@ -169,6 +189,15 @@ static void find_meshes(fray_world *w) {
     find_collider(w, &t, room_of(w));
   }
   move_back(w);
+}
+
+void contact_yarn_planes_begin(fray_world *w) {
+  FRAY_ASSERT(world_has_elastic_yarns(w) && world_has_rigid_meshes(w));
+  for (uint32_t p = 0; p < w->p.count; ++p) {
+    w->p.unpulled[0][p] = w->p.vx[p];
+    w->p.unpulled[1][p] = w->p.vy[p];
+    w->p.unpulled[2][p] = w->p.vz[p];
+  }
 }
 
 void contact_yarn_planes_find(fray_world *w) {

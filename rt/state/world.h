@@ -82,7 +82,8 @@ typedef struct {
       int32_t *qx, *qy, *qz; /* a substep: predicted position, Q24 lu */
     };
     int32_t *tick_end[3];    /* blade_cut.c: position at the end of the tick, as predicted at its start */
-    int32_t *rounding[3];    /* yarn_stretch.c: what rounding of positions left */
+    int32_t *unpulled[3];    /* until the pull of the first elastic step of yarns: velocities before it */
+    int32_t *rounding[3];    /* yarn_stretch.c, from then on: what rounding of positions left */
     int32_t *seen;           /* image/validate*.c: marks, before the first tick */
   };
   uint32_t count;            /* in use: first one for each crossing or vertex, then the split ones */

@@ -47,7 +47,6 @@ void tick_woven(fray_world *w) {
       bend_shear_apply(w);
       energy_springs(w);
       contact_gather(w);
-      if (world_has_rigid_meshes(w)) contact_yarn_planes_find(w);
       yarn_stretch_run(w);
     } else {
       particles_advance(w);      /* 1, 2, 4 */

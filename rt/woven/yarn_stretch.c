@@ -149,17 +149,18 @@ static uint32_t advance_axis(int32_t *restrict x, int32_t *restrict rounding, in
 
 /* Attached particles move with the velocity of their bodies; particles_carry() puts them to their final
  * positions. */
-static void begin_axis(fray_world *w, uint32_t axis, int32_t *v, int32_t *rounding, const int8_t *remainder) {
+static void begin_axis(fray_world *w, uint32_t axis, int32_t *v) {
+  const uint32_t attached = particles_attached(w);
+  for (uint32_t p = 0; p < attached; ++p) v[p] = w->rigid.states[w->p.attach_body[p]].velocity[axis];
+  for (uint32_t p = attached; p < w->p.count; ++p) v[p] = fx_clamp(v[p], -STRETCH_SPEED_MAX, STRETCH_SPEED_MAX);
+}
+
+static void begin_rounding(fray_world *w, uint32_t axis, const int8_t *remainder) {
   const uint32_t attached = particles_attached(w);
   const int32_t steps = 1 << w->woven.elastic_params->steps_bits;
-  for (uint32_t p = 0; p < attached; ++p) {
-    v[p] = w->rigid.states[w->p.attach_body[p]].velocity[axis];
-    rounding[p] = 0;
-  }
-  for (uint32_t p = attached; p < w->p.count; ++p) {
-    v[p] = fx_clamp(v[p], -STRETCH_SPEED_MAX, STRETCH_SPEED_MAX);
-    rounding[p] = remainder[p] * steps;
-  }
+  int32_t *rounding = w->p.rounding[axis];
+  for (uint32_t p = 0; p < attached; ++p) rounding[p] = 0;
+  for (uint32_t p = attached; p < w->p.count; ++p) rounding[p] = remainder[p] * steps;
 }
 
 /* predicted: the array that held the rounding. */
@@ -185,6 +186,14 @@ static int32_t gravity_part(int32_t gravity, int32_t step, unsigned bits) {
   return fx_asr(gravity * (step + 1), bits) - fx_asr(gravity * step, bits);
 }
 
+/* Behind the first pull, by which yarns that a mesh holds would leave their place. */
+static void find_planes(fray_world *w) {
+  if (world_has_rigid_meshes(w)) contact_yarn_planes_find(w);
+  begin_rounding(w, 0, w->p.rx);
+  begin_rounding(w, 1, w->p.ry);
+  begin_rounding(w, 2, w->p.rz);
+}
+
 void yarn_stretch_run(fray_world *w) {
   FRAY_ASSERT(world_has_elastic_yarns(w) && !world_has_membrane(w));
   FRAY_ASSERT(w->woven.elastic_params->steps_bits <= YARN_ELASTIC_STEPS_BITS);
@@ -195,9 +204,10 @@ void yarn_stretch_run(fray_world *w) {
   const vec3 g = w->gravity_step;
   int32_t *const *rounding = w->p.rounding; /* until the predicted positions are written, at the end */
   uint32_t at_edge = 0;
-  begin_axis(w, 0, w->p.vx, rounding[0], w->p.rx);
-  begin_axis(w, 1, w->p.vy, rounding[1], w->p.ry);
-  begin_axis(w, 2, w->p.vz, rounding[2], w->p.rz);
+  begin_axis(w, 0, w->p.vx);
+  begin_axis(w, 1, w->p.vy);
+  begin_axis(w, 2, w->p.vz);
+  if (world_has_rigid_meshes(w)) contact_yarn_planes_begin(w);
   bodies_steps_begin(w, bits);
   yarn_step now = {0, bits, step_rise_of(w), {0, 0, 0}};
   for (int32_t step = 0; step < 1 << bits; ++step) {
@@ -209,6 +219,7 @@ void yarn_stretch_run(fray_world *w) {
     if (world_has_yarns(w)) yarn_slip_apply(w);
     bodies_update_velocity(w);
     contact_steps_pulled(w);
+    if (step == 0) find_planes(w);
     energy_step_mark(w, YARN_STEP_FORCED);
     now.number = step;
     now.gravity = gravity;

@@ -88,6 +88,17 @@ static const char stretch_faces[] =
     " move path { 0 s 0.2255 -0.3346 0.7910 cm  0.279 s 0.4961 -0.1672 0.9808 cm }\n}\n"
     "mesh b3 {\n obj \"tests/scenes/meshes/box.obj\"\n unit 0.0538 cm\n friction 0.01\n at 0.4261 -0.2860 0.3587 cm\n"
     " move free\n mass 1.5536 g\n velocity -21.15 -2.04 -8.82 cm/s\n}\nlimits { tears_per_tick 1 }\nslit warp 18 0 1\n";
+/* A hammer draws the sheet: where a face stops a particle the others draw it through that within a substep. */
+static const char stretch_hooked[] =
+    "scene stretch_hooked\nrate 2000 Hz\nsubsteps 4\n"
+    "woven {\n warps 10\n wefts 14\n spacing 11.3164 /cm\n thickness 0.01149 cm\n density 0.33732 g/cm2\n bend 0.139 g/s2\n"
+    " shear 49.803 g/s2\n tear off\n orientation horizontal\n drag 0 /s\n damping 30 /s\n yarns on\n stretch 0.5227 N\n"
+    " stretch_damping 28.6 us\n}\npin column left\n"
+    "mesh b {\n obj \"tests/scenes/meshes/hammer.obj\"\n unit 0.1069 cm\n rotate 52.9 deg about y\n friction 0.74\n"
+    " move path { 0 s 0.1525 0.6360 0.0885 cm  0.201 s 0.1525 0.6360 0.0885 cm  0.251 s -0.5053 0.5322 0.1341 cm\n"
+    "  0.3 s -1.1631 0.4286 0.1795 cm  0.35 s -1.4539 0.3248 0.2251 cm  0.401 s -0.7961 0.2212 0.2707 cm\n"
+    "  0.451 s -0.1383 0.1174 0.3161 cm  0.5 s -0.2145 0.0136 0.3617 cm  0.55 s -0.8723 -0.09 0.4073 cm\n"
+    "  0.6 s -1.5303 -0.1762 0.4527 cm  0.65 s -1.0869 -0.0726 0.4983 cm }\n}\nlimits { contacts 100 }\n";
 /* A free capsule draws what holds it to many times its length. */
 static const char stretch_drawn[] =
     "scene stretch_drawn\nrate 2000 Hz\nsubsteps 16\n"
@@ -109,6 +120,7 @@ static const struct {
              {"stretch_few", stretch_few, 700},
              {"stretch_overlaps", stretch_overlaps, 30},
              {"stretch_faces", stretch_faces, 50},
+             {"stretch_hooked", stretch_hooked, 1300},
              {"heaped", heaped, 600}};
 
 /* The largest net of a stage so far. */

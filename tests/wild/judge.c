@@ -41,6 +41,7 @@ typedef struct {
   double fastest_body, reach; /* m/s; how far a particle came, m */
   double loaded;              /* what loads gave the vertex that they move most, m/s */
   double cloth_speed;         /* of waves at the strain of a tear, m/s */
+  double strain;              /* of elastic yarns that do not tear, at most so far */
   double mass;                /* of the free cloth, kg */
   double net[FRAY_ENERGY_STAGES];     /* by a stage so far, J */
   double excused[FRAY_ENERGY_STAGES]; /* what of it a fault says */
@@ -325,7 +326,20 @@ static double load_speed(const judged *j) {
   return most * units * w->membrane.constants->steps * w->params->substeps;
 }
 
-/* A membrane that was drawn to three times its length held a strain of 2 in place of a quarter. */
+/* Of the longest link. */
+static double largest_strain(const fray_world *w) {
+  double most = 0;
+  for (uint32_t n = 0; n < (uint32_t)w->params->links; ++n) {
+    if (w->woven.spring_kind[n] == SPRING_DEAD) continue;
+    const vec3 d = vec_sub(world_position(w, w->woven.spring_j[n]), world_position(w, w->woven.spring_i[n]));
+    const int32_t along[3] = {d.x, d.y, d.z};
+    most = fmax(most, length_of(along) / w->woven.link_classes[w->woven.spring_kind[n] & SPRING_CLASS].rest - 1);
+  }
+  return most;
+}
+
+/* What was drawn farther than a quarter held that strain: a membrane that was drawn to three times its length, and
+ * elastic yarns that do not tear. */
 static double allowed_speed(judged *j, uint32_t tick, uint32_t faults) {
   const fray_info *f = &j->watched.facts;
   const fray_world *w = j->watched.w;
@@ -338,8 +352,9 @@ static double allowed_speed(judged *j, uint32_t tick, uint32_t faults) {
   const double fall = fmin(g * (tick + 1.0) / f->rate_hz, sqrt(2 * g * 2 * j->reach));
   const double wind = world_has_membrane(w) ? length_of(w->membrane.constants->wind) * speed : 0;
   j->loaded += load_speed(j);
+  if (world_has_elastic_yarns(w) && f->tearing == 0) j->strain = fmax(j->strain, largest_strain(w));
   const int is_drawn = world_has_membrane(w) && (faults & FRAY_FAULT_OVERSTRETCHED) != 0;
-  const double cloth = j->cloth_speed * (is_drawn ? 2 / 0.25 : 1);
+  const double cloth = j->cloth_speed * fmax(1, (is_drawn ? 2 : j->strain) / 0.25);
   return 2 * (j->fastest_body + wind + fall + j->loaded + cloth);
 }
 
