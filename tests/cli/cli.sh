@@ -253,6 +253,9 @@ wants 0 "stiff.img: 128 triangles" "$FRAY" bench "$cd_work/stiff.img" --ticks 2 
 printf 'scene light\nrate 240 Hz\nsubsteps 8\nwoven { warps 8 wefts 8 spacing 16 /cm density 0.009 g/cm2 shear 0.1 g/s2 tear off }\npin row top\n' >"$cd_work/light.scene"
 wants 0 "bend: 0.5062 g/s2 in place of its default of 5, as much as the rate bears" "$FRAY" scene "$cd_work/light.scene" -o "$cd_work/light.img"
 if grep -q "^shear" "$cd_work/said"; then fail "a shear that the scene gives is no default"; else pass; fi
+# a slit beside the last warp leaves its crossings no weft
+printf 'scene corner\nsubsteps 8\niterations 4\nwoven { warps 8 wefts 8 spacing 16 /cm yarns all }\npin column right\nslit warp 0 0 1\n' >"$cd_work/corner.scene"
+wants 0 "ticks 5 tears 0 pieces 3" "$FRAY" run "$cd_work/corner.scene" --ticks 5
 sed '/^pin/d; /^sphere/,/^}/d' "$small" >"$cd_work/falls.scene"
 wants 0 "OUT_OF_WORLD" "$FRAY" run "$cd_work/falls.scene" --ticks 2000
 # a report: no plot of a force that nothing has, and yarns where the scene has them

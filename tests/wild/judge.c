@@ -122,7 +122,10 @@ static double given_for_springs(const fixture *f) {
 static int open_all(judged *j, const char *text, judge_result *r) {
   scene_error error;
   if (!fixture_compile(&j->watched, "out/wild/wild.scene", text, &error)) {
-    snprintf(r->refused, sizeof r->refused, "%.250s", error.message);
+    if (strstr(error.message, "is not valid: section") != NULL) /* of the compiler's own image */
+      find(r, JUDGE_OPENS, 0, 1, 0);
+    else
+      snprintf(r->refused, sizeof r->refused, "%.250s", error.message);
     return 0;
   }
   fixture_open_image(&j->watched);

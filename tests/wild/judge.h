@@ -12,7 +12,7 @@
 typedef enum {
   JUDGE_KERNEL,  /* another kernel has another hash */
   JUDGE_WORKERS, /* so have workers, or a world that was saved and opened */
-  JUDGE_OPENS,   /* what was saved is refused */
+  JUDGE_OPENS,   /* what was saved, or compiled, is refused */
   JUDGE_CLOSES,  /* the ledger is open */
   JUDGE_MOTION,
   JUDGE_CLAMP = JUDGE_MOTION, /* the limit of speed, without a fault */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Yarns cut before tick 0. A slit opens what a tear would: with yarns the ends of every cut spring are
- * split first. */
+ * split first, and a crossing whose weft or warp has no link left is none any more. */
 #include "rt/state/crossing.h"
 #include "tools/scene_compiler/draft.h"
 
@@ -29,6 +29,26 @@ static int cut_link(const draft *d, fray_world *w, const scene_slit *slit, uint3
   return 1;
 }
 
+/* axis: 0 of the weft, 1 of the warp. */
+static int has_link(const fray_world *w, uint32_t crossing, uint32_t axis) {
+  for (uint32_t direction = 2 * axis; direction < 2 * axis + 2; ++direction) {
+    uint32_t next;
+    uint32_t link;
+    if (yarn_grid_step(world_yarn_grid(w), crossing, direction, &next, &link) &&
+        w->woven.spring_kind[w->woven.spring_of[link]] != SPRING_DEAD)
+      return 1;
+  }
+  return 0;
+}
+
+static void disconnect_ends(fray_world *w) {
+  if (!world_has_yarns(w)) return;
+  for (uint32_t p = (uint32_t)w->params->particles; p < w->p.count; ++p) {
+    const uint32_t crossing = w->woven.crossing_of[p];
+    if (!has_link(w, crossing, 0) || !has_link(w, crossing, 1)) crossing_set_state(w, crossing, FRAY_DISCONNECTED);
+  }
+}
+
 int draft_slits(const draft *d, fray_world *w) {
   for (uint32_t n = 0; n < d->scene->slit_count; ++n) {
     const scene_slit *slit = &d->scene->slits[n];
@@ -40,5 +60,6 @@ int draft_slits(const draft *d, fray_world *w) {
       if (!cut_link(d, w, slit, link)) return 0;
     }
   }
+  disconnect_ends(w);
   return 1;
 }
