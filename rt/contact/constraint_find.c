@@ -142,7 +142,8 @@ static void move_axis(int32_t *x, const int32_t *v, uint32_t end) {
 }
 
 /* Behind the pull of the first of 2^bits steps, of which each pulls alike. */
-static void move_pulled_axis(int32_t *x, const int32_t *v, const int32_t *unpulled, uint32_t end, unsigned bits) {
+static void move_pulled_axis(int32_t *x, const int32_t *v, const int32_t *unpulled, uint32_t end,
+                             unsigned bits) {
   const int64_t later = ((int64_t)1 << bits) - 1;
   for (uint32_t p = 0; p < end; ++p) {
     const int64_t way = v[p] + fx_asr64(((int64_t)v[p] - unpulled[p]) * later, 1);

@@ -15,8 +15,8 @@ void contact_vertices_solve(fray_world *w);   /* with rigid meshes: CCD; of tria
 void contact_update_velocity(fray_world *w);  /* a touching particle keeps no velocity away from the body */
 
 /* Of elastic yarns, in place of contact_primitives_solve(): planes of meshes that particles may meet, once a
- * substep, begun before the first pull and found behind it; then within an elastic step, behind its forces and
- * before its motion. Cost: linear in the contacts. */
+ * substep, begun before the first pull and found behind it; then within an elastic step, behind its forces
+ * and before its motion. Cost: linear in the contacts. */
 void contact_yarn_planes_begin(fray_world *w);
 void contact_yarn_planes_find(fray_world *w);
 typedef struct {

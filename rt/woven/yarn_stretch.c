@@ -152,7 +152,8 @@ static uint32_t advance_axis(int32_t *restrict x, int32_t *restrict rounding, in
 static void begin_axis(fray_world *w, uint32_t axis, int32_t *v) {
   const uint32_t attached = particles_attached(w);
   for (uint32_t p = 0; p < attached; ++p) v[p] = w->rigid.states[w->p.attach_body[p]].velocity[axis];
-  for (uint32_t p = attached; p < w->p.count; ++p) v[p] = fx_clamp(v[p], -STRETCH_SPEED_MAX, STRETCH_SPEED_MAX);
+  for (uint32_t p = attached; p < w->p.count; ++p)
+    v[p] = fx_clamp(v[p], -STRETCH_SPEED_MAX, STRETCH_SPEED_MAX);
 }
 
 static void begin_rounding(fray_world *w, uint32_t axis, const int8_t *remainder) {
