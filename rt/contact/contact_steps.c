@@ -107,14 +107,15 @@ static void solve_primitive(fray_world *w, const contact *c, const yarn_step *st
   stop_particle(w, c, normal, least, step);
 }
 
-/* Of a mesh: a plane, for the substep. */
+/* Of a mesh: a plane, for the substep. What is nearer than its thickness comes no nearer. */
 static void solve_plane_of_mesh(fray_world *w, uint32_t n, const yarn_step *step) {
   const contact *c = &w->contact.list[n];
   const contact_state *s = &w->contact;
   const vec3 from = vec_at(s->start_x, s->start_y, s->start_z, c->particle);
   const vec3 begin = vec_sub(from, w->rigid.start[c->body]);
   const int64_t moved = vec_dot_unit(vec_sub(from_body(w, c, step), begin), c->normal);
-  stop_particle(w, c, c->normal, least_speed(contact_gap_of(c->plane_gap) + moved, step), step);
+  const int32_t least = least_speed(contact_gap_of(c->plane_gap) + moved, step);
+  stop_particle(w, c, c->normal, fx_min(0, least), step);
 }
 
 void contact_steps_mark(fray_world *w) {

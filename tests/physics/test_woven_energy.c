@@ -99,6 +99,12 @@ static const char stretch_hooked[] =
     "  0.3 s -1.1631 0.4286 0.1795 cm  0.35 s -1.4539 0.3248 0.2251 cm  0.401 s -0.7961 0.2212 0.2707 cm\n"
     "  0.451 s -0.1383 0.1174 0.3161 cm  0.5 s -0.2145 0.0136 0.3617 cm  0.55 s -0.8723 -0.09 0.4073 cm\n"
     "  0.6 s -1.5303 -0.1762 0.4527 cm  0.65 s -1.0869 -0.0726 0.4983 cm }\n}\nlimits { contacts 100 }\n";
+/* A sheet begins nearer to a mesh below it than its thickness. */
+static const char stretch_beside[] =
+    "scene stretch_beside\nrate 1000 Hz\nsubsteps 16\n"
+    "woven {\n warps 16\n wefts 12\n spacing 12 /cm\n thickness 0.02 cm\n density 0.1 g/cm2\n tear off\n orientation horizontal\n"
+    " drag 0 /s\n stretch 0.5 N\n}\npin row top\npin row bottom\n"
+    "mesh b {\n obj \"tests/scenes/meshes/box.obj\"\n unit 0.2 cm\n at 0 -0.11 0 cm\n}\n";
 /* A free capsule draws what holds it to many times its length. */
 static const char stretch_drawn[] =
     "scene stretch_drawn\nrate 2000 Hz\nsubsteps 16\n"
@@ -121,6 +127,7 @@ static const struct {
              {"stretch_overlaps", stretch_overlaps, 30},
              {"stretch_faces", stretch_faces, 50},
              {"stretch_hooked", stretch_hooked, 1300},
+             {"stretch_beside", stretch_beside, 40},
              {"heaped", heaped, 600}};
 
 /* The largest net of a stage so far. */
